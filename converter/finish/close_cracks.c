@@ -33,6 +33,9 @@ enum { ROUNDS = 2 };
 static const double rim_spacing_tolerances = 1;
 /* How much farther than to the ray a line is moved, in tolerances, for rays beside it. */
 static const double spare_tolerances = 0.02;
+/* How far beside a triangle a point that a ray sees on its plane still is one of it, in tolerances.
+ */
+static const double beside_tolerances = 0.01;
 
 /* A ray through a crack, and the candidate whose lines lack least. */
 typedef struct crack {
@@ -70,9 +73,23 @@ double psplat_crack_width(const psplat_sight *sight, double cosine, const psplat
     return width > 0 ? width : HUGE_VAL;
 }
 
+/* Returns how wide, a length, a crack may be that a candidate closes. */
+static double greatest_width(const closer *r, const psplat_ray_hole *hole, size_t candidate) {
+    const psplat_surface *surface = &r->c->surface;
+    double tolerance = r->c->tolerance, beside = beside_tolerances * tolerance;
+    const double *corners[3];
+    for (int k = 0; k < 3; ++k) corners[k] = psplat_mesh_corner(surface->mesh, hole->triangle, k);
+    int is_own = surface->patches[hole->triangle] ==
+                     surface->patches[r->c->selection.candidates[candidate].triangle] &&
+                 point_triangle_distance2(hole->sight.point, corners[0], corners[1], corners[2]) <=
+                     beside * beside;
+    return (is_own ? PSPLAT_GREATEST_OWN_CRACK : PSPLAT_GREATEST_CRACK) * tolerance;
+}
+
 /* ---- cracks ---------------------------------------------------------------------------------- */
 
 typedef struct chooser {
+    const closer *closer;
     const psplat_region *regions;
     crack *crack;
     double tolerance;
@@ -82,6 +99,7 @@ static int visit_region(void *user, uint32_t index) {
     chooser *s = user;
     double width = psplat_crack_width(&s->crack->hole.sight, s->crack->hole.cosine,
                                       &s->regions[index], s->tolerance);
+    if (width > greatest_width(s->closer, &s->crack->hole, index)) return 0;
     if (width < s->crack->width ||
         (width < HUGE_VAL && width == s->crack->width && index < s->crack->candidate)) {
         s->crack->width = width;
@@ -103,9 +121,9 @@ static void choose(closer *r, const psplat_measured_splats *measured) {
     for (size_t i = 0; i < r->count; ++i) {
         crack *at = &r->cracks[i];
         double low[3], high[3];
-        chooser s = {measured->regions, at, measured->tolerance};
+        chooser s = {r, measured->regions, at, measured->tolerance};
         at->candidate = PSPLAT_NONE;
-        at->width = PSPLAT_GREATEST_CRACK * measured->tolerance;
+        at->width = HUGE_VAL;
         for (int k = 0; k < 3; ++k) {
             low[k] = at->hole.sight.point[k] - reach;
             high[k] = at->hole.sight.point[k] + reach;
@@ -153,16 +171,17 @@ static psplat_result find_cracks(closer *r, const psplat_measured_splats *whole,
 
 /* ---- lines ----------------------------------------------------------------------------------- */
 
-/* Moves the lines of a region out to a ray, with some to spare, but none farther in all from that
- * of the old region than cracks may be wide. */
-static void move_to(const closer *r, const psplat_ray_hole *hole, const psplat_region *old,
+/* Moves the lines of a candidate's region out to a ray, with some to spare, but none farther in all
+ * from that of the old region than its cracks may be wide. */
+static void move_to(const closer *r, size_t candidate, const psplat_ray_hole *hole,
                     psplat_region *region) {
-    double height, uv[2], tolerance = r->c->limits.tolerance;
+    const psplat_region *old = &r->regions[candidate];
+    double height, uv[2], spare = spare_tolerances * r->c->limits.tolerance;
     if (!psplat_sight_leaves(&hole->sight, region, &height, uv)) return;
     for (uint32_t i = 0; i < region->line_count; ++i) {
         double value = psplat_region_line_value(region, i, uv), rate = line_rate(region, i, uv);
-        double most = old->lines[i][2] + PSPLAT_GREATEST_CRACK * tolerance * rate;
-        double moved = region->lines[i][2] - value + spare_tolerances * tolerance * rate;
+        double most = old->lines[i][2] + greatest_width(r, hole, candidate) * rate;
+        double moved = region->lines[i][2] - value + spare * rate;
         if (value < 0) region->lines[i][2] = max2(region->lines[i][2], min2(moved, most));
     }
 }
@@ -173,7 +192,7 @@ static psplat_result move_to_some(const psplat_fit_context *context, const close
     const psplat_limits *limits = context->limits;
     psplat_region *region = &r->c->selection.candidates[index].region, moved = *region;
     for (uint32_t i = 0; i < count; ++i)
-        move_to(r, &r->cracks[r->first[index] + i].hole, &r->regions[index], &moved);
+        move_to(r, index, &r->cracks[r->first[index] + i].hole, &moved);
     for (uint32_t i = 0; limits->precision && i < moved.line_count; ++i) {
         const psplat_precision at = psplat_precision_at(limits->precision, moved.radius);
         psplat_quantize_line(&at, moved.lines[i], &moved.bends[i]);

@@ -16,6 +16,10 @@
  * breaks. Nine in ten cracks are narrower. */
 #define PSPLAT_GREATEST_CRACK 0.15
 
+/* The same where one sees through the crack a point of the patch that the splat grew from: its line
+ * then stands behind the crease by what the fit and rounding have left, and does not pass it. */
+#define PSPLAT_GREATEST_OWN_CRACK 0.4
+
 /* Returns by how much, a length, the lines of a region would have to move out so that a sight meets
  * its front within the tolerance over the cosine; HUGE_VAL where its ellipse is in the way, too, or
  * where no line is. */
@@ -23,9 +27,9 @@ double psplat_crack_width(const psplat_sight *sight, double cosine, const psplat
                           double tolerance);
 
 /* Moves clip lines of the selection out to rays that pass between splats, by PSPLAT_GREATEST_CRACK
- * tolerances at most in all, and only as far as the splats stay within the tolerance of the
- * surface. psplat_close_seams must have been called, and all candidates have to be taken. Errors:
- * MEMORY. */
+ * or PSPLAT_GREATEST_OWN_CRACK tolerances at most in all, and only as far as the splats stay within
+ * the tolerance of the surface. psplat_close_seams must have been called, and all candidates have
+ * to be taken. Errors: MEMORY. */
 psplat_result psplat_close_cracks(psplat_conversion *c);
 
 #endif

@@ -94,16 +94,35 @@ static void test_narrow(void **state) {
     end(&r);
 }
 
+/* A crack of half a tolerance is closed by splats of the patch that is seen through it, not by
+ * those of another one. */
+static void test_own(void **state) {
+    (void)state;
+    for (uint32_t other = 0; other < 2; ++other) {
+        cracked r;
+        double width = 0.5 * tolerance;
+        begin(&r, width, 0, 0);
+        r.c.surface.patches[0] = other; /* of a triangle at a corner, from which both grew */
+        assert_int_equal(psplat_close_cracks(&r.c), PSPLAT_OK);
+        double sum = moved(&r, 0) + moved(&r, 1);
+        assert_true(other ? sum < 0.7 * width : sum >= width - 0.02 * tolerance);
+        end(&r);
+    }
+}
+
 /* Wide cracks may be narrowed from either side, but by no more than is allowed. */
 static void test_wide(void **state) {
     (void)state;
-    cracked r;
-    begin(&r, 3 * tolerance, 0, 0);
-    assert_int_equal(psplat_close_cracks(&r.c), PSPLAT_OK);
-    for (int i = 0; i < 2; ++i)
-        assert_true(moved(&r, i) >= 0 &&
-                    moved(&r, i) <= PSPLAT_GREATEST_CRACK * tolerance * (1 + 1e-9));
-    end(&r);
+    for (uint32_t other = 0; other < 2; ++other) {
+        cracked r;
+        double most = (other ? PSPLAT_GREATEST_CRACK : PSPLAT_GREATEST_OWN_CRACK) * tolerance;
+        begin(&r, 3 * tolerance, 0, 0);
+        r.c.surface.patches[0] = other;
+        assert_int_equal(psplat_close_cracks(&r.c), PSPLAT_OK);
+        for (int i = 0; i < 2; ++i)
+            assert_true(moved(&r, i) >= 0 && moved(&r, i) <= most * (1 + 1e-9));
+        end(&r);
+    }
 }
 
 /* Splats that overlap stay as they are. */
@@ -134,10 +153,8 @@ static void test_bound(void **state) {
 
 int test_close_cracks_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_narrow),
-        cmocka_unit_test(test_wide),
-        cmocka_unit_test(test_closed),
-        cmocka_unit_test(test_bound),
+        cmocka_unit_test(test_narrow), cmocka_unit_test(test_own),   cmocka_unit_test(test_wide),
+        cmocka_unit_test(test_closed), cmocka_unit_test(test_bound),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
