@@ -99,9 +99,8 @@ static int visit_region(void *user, uint32_t index) {
     chooser *s = user;
     double width = psplat_crack_width(&s->crack->hole.sight, s->crack->hole.cosine,
                                       &s->regions[index], s->tolerance);
-    if (width > greatest_width(s->closer, &s->crack->hole, index)) return 0;
-    if (width < s->crack->width ||
-        (width < HUGE_VAL && width == s->crack->width && index < s->crack->candidate)) {
+    if (width == HUGE_VAL || width > greatest_width(s->closer, &s->crack->hole, index)) return 0;
+    if (width < s->crack->width || (width == s->crack->width && index < s->crack->candidate)) {
         s->crack->width = width;
         s->crack->candidate = index;
     }

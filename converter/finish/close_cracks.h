@@ -16,8 +16,9 @@
  * breaks. Nine in ten cracks are narrower. */
 #define PSPLAT_GREATEST_CRACK 0.15
 
-/* The same where one sees through the crack a point of the patch that the splat grew from: its line
- * then stands behind the crease by what the fit and rounding have left, and does not pass it. */
+/* The same where one sees through the crack a point of the patch that the splat grew from: there
+ * its line stands behind the crease, by what the fit and rounding have left. Elsewhere along a bent
+ * crease it may pass that by as much, which psplat_take_back_crossings bounds. */
 #define PSPLAT_GREATEST_OWN_CRACK 0.4
 
 /* Returns by how much, a length, the lines of a region would have to move out so that a sight meets

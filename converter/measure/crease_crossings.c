@@ -512,8 +512,7 @@ static int sort_own_first(sheet_search *s, psplat_crease_crossing *crossings, si
            put_own_first(s, grown[crossings->splat], crossings, count, own);
 }
 
-/* Drops the crossings of sheets other than a splat's own. Of a
- * splat without votes all are kept. */
+/* Drops the crossings of sheets other than a splat's own. Of one without votes all are kept. */
 static psplat_result drop_foreign_crossings(const psplat_samples *samples, sheet_search *s,
                                             crossing_list *list) {
     psplat_result result = find_votes(s->surface, samples, s->measured, list, &s->votes);

@@ -30,8 +30,8 @@ typedef struct psplat_blend_field {
 typedef struct psplat_measured_splats {
     psplat_region *regions;     /* count */
     psplat_blend_field *fields; /* count */
-    uint32_t *materials; /* count: indices; NULL: all splats have the first one, and may stand
-                            for all */
+    uint32_t *materials; /* count: indices; NULL: all splats have the first one, and creases of all
+                            materials bound them */
     uint32_t *triangles; /* count: those that they grew from; NULL: files do not tell */
     size_t count;
     psplat_region_tree *region_tree;

@@ -10,8 +10,8 @@
  * may all happen to lie across the border. Where layers lie on each other, or a border runs through
  * the middle, several have about as much, and that is the splat's over which its coordinates slide
  * least: the others are other splats' to show. Where they slide over most of each of these, but not
- * over a narrower one, which the splat leaves by no more than it may, it is of that. Where
- * no splat of its chart covers it, a sample is lost.
+ * over a narrower one, which the splat leaves by no more than it may, it is of that. Where no splat
+ * of its chart covers it, a sample is lost.
  *
  * A border may end, or run around a neck, so that both of its sides are one chart. What a splat
  * covers across such a border, over which it may reach by the tolerance, is other splats' to show,

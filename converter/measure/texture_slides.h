@@ -19,9 +19,9 @@
  * least a quarter of the area of the largest one inside its seams, the one over which its
  * coordinates slide at the least share of the samples is its own; but where that is more than half,
  * a smaller part over which they slide at less than half, and which the splat leaves by no more
- * than one and a half tolerances inside its seams, is, if there is one. Where a border of
- * that chart stands between a sample within the tolerance of it and the splat's own side, and some
- * splat shows what is there, the splat counts as one of another chart. */
+ * than one and a half tolerances inside its seams, is, if there is one. Where a border of that
+ * chart stands between a sample within the tolerance of it and the splat's own side, and some splat
+ * shows what is there, the splat counts as one of another chart. */
 typedef struct psplat_texture_slides {
     /* By sample, the slide of the splat that weighs most there, of those of its own chart that
      * cover it; negative where there is none, or no texture is kept there: */
