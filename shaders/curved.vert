@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  *
- * curved.vert - draws a curved splat as a billboard: a rectangle through its centre that hides all
- * of its patch, and of the wall under its rim, from the eye. The fragment shader finds where the view
+ * curved.vert - draws a curved splat as a billboard: a rectangle in a plane through its centre that
+ * hides what is seen of its patch, and of the wall under its rim, from the eye. The fragment shader finds where the view
  * ray meets the patch (compare Sigg, Weyrich, Botsch, Gross: GPU-Based Ray-Casting of Quadratic
  * Surfaces, 2006, whose primitives are bounded by screen rectangles instead).
  *
@@ -73,6 +73,7 @@ flat out LINE_TYPE v_lines[CLIP_COUNT];
 struct Surface {
     vec2 slope;
     vec3 second;    /* H: d2h/du2, d2h/dudv, d2h/dv2 */
+    float wall;     /* the depth of the wall */
     vec2 low_high;  /* bounds of uv H uv / 2 over the unit disc, with some room, the lower one with
                        the wall */
 };
@@ -93,63 +94,113 @@ Surface surface_of(vec4 field, float gamma, ivec2 texel, float ratio, float wall
 #endif
     vec3 h = surface.second;
     float mean = 0.5 * (h.x + h.z), root = length(vec2(0.5 * (h.x - h.z), h.y));
+    surface.wall = wall;
     surface.low_high = vec2(0.5 * min(mean - root, 0.0) - 1e-3 - wall,
                             0.5 * max(mean + root, 0.0) + 1e-3);
     return surface;
 }
 
-/* Returns whether the eye sees the backs of all points of the patch: where n . (eye - point), which
- * is eye.z - slope . eye.xy - uv H eye.xy + uv H uv / 2, is negative all over the disc, also at
- * points down to the foot of the wall. In orthographic views eye is a direction, and the last terms
- * are not there. */
-bool is_turned_away(Surface surface, vec3 eye, float wall) {
-    vec3 h = surface.second;
-    float bent = length(vec2(dot(h.xy, eye.xy), dot(h.yz, eye.xy)));
-    float most = eye.z - dot(surface.slope, eye.xy) + bent;
-    return most + u_shift.y * (surface.low_high.y + wall) < 0.0;
+/* The direction from the centre to the eye and the distance, in coordinates that are sheared so
+ * that the tangent plane lies flat: along aside, a direction in that plane, and along the normal. */
+struct Axis {
+    vec2 aside;
+    float sine, cosine, distance;
+};
+
+Axis axis_to(Surface surface, vec3 eye) {
+    vec3 sheared = vec3(eye.xy, eye.z - dot(surface.slope, eye.xy));
+    float distance = length(sheared), sine = length(sheared.xy) / distance;
+    vec2 aside = sine > 1e-5 ? normalize(sheared.xy) : vec2(1.0, 0.0);
+    return Axis(aside, sine, sheared.z / distance, distance);
 }
 
-/* A billboard: the rectangle with these half axes around center, before perspective makes it
- * larger by enlarge. is_known is false where the eye is so near that there is none. */
+/* How far what is seen of the disc reaches along aside, against it, and to both sides across: */
+const vec4 WHOLE_DISC = vec4(1.0), NOTHING = vec4(-1.0);
+
+/* Cuts away what a line (a, b, c) does not keep, which is where a u + b v + c < 0. What is left
+ * reaches as far as the circle, or as the end of the chord. Lines have a thousandth of the radius of
+ * room. */
+vec4 cut_disc(vec4 reach, vec2 aside, vec3 line) {
+    float size = length(line.xy);
+    if (line.z >= size) return reach;
+    if (line.z < -size) return NOTHING;
+    float offset = line.z / size + 1e-3, half_chord = sqrt(max(1.0 - offset * offset, 0.0));
+    vec2 to = vec2(dot(line.xy, aside), aside.x * line.y - aside.y * line.x) / size;
+    vec4 towards = vec4(to.x, -to.x, to.y, -to.y);
+    vec4 chord = half_chord * abs(towards.zzxx) - offset * towards;
+    return min(reach, mix(chord, vec4(1.0), greaterThanEqual(towards, vec4(-offset))));
+}
+
+/* Cuts away where the eye sees the patch from behind: where n . (eye - point), which is
+ * eye.z - slope . eye.xy - uv H eye.xy + uv H uv / 2, is negative, also at points down to the foot
+ * of the wall. In orthographic views eye is a direction, and the last terms are not there. */
+vec4 cut_backs(vec4 reach, vec2 aside, Surface surface, vec3 eye) {
+    vec3 h = surface.second;
+    float most = eye.z - dot(surface.slope, eye.xy);
+    most += u_shift.y * (surface.low_high.y + surface.wall);
+    return cut_disc(reach, aside, vec3(-dot(h.xy, eye.xy), -dot(h.yz, eye.xy), most));
+}
+
+/* Returns the greatest value of a x^2 + b x + c between two ends. */
+float greatest(float a, float b, float c, vec2 ends) {
+    float middle = a < -1e-6 ? clamp(-0.5 * b / a, ends.x, ends.y) : ends.x;
+    vec3 x = vec3(ends, middle), values = (a * x + b) * x + c;
+    return max(max(values.x, values.y), values.z);
+}
+
+/* Returns how far the patch and its wall reach upwards, which is across the ray in the plane of the
+ * normal and aside, and downwards. A point x along aside and y across it has the height
+ * (haa x^2 + 2 hab x y + hbb y^2) / 2, where 2 |x y| <= x^2 + y^2 and y^2 <= 1 - x^2. */
+vec2 heights_of(Surface surface, Axis axis, vec4 reach) {
+    vec3 h = surface.second;
+    vec2 ends = vec2(-reach.y, reach.x), a = axis.aside;
+    vec2 ha = vec2(dot(h.xy, a), dot(h.yz, a));
+    float haa = dot(ha, a), hbb = h.x + h.z - haa, hab = abs(a.x * ha.y - a.y * ha.x);
+    float above = max(hbb + hab, 0.0), below = max(hab - hbb, 0.0), s = 0.5 * axis.sine;
+    vec2 heights = vec2(greatest(s * (haa + hab - above), -axis.cosine, s * above, ends),
+                        greatest(s * (hab - haa - below), axis.cosine, s * below, ends));
+    return heights + vec2(1e-3, 1e-3 + axis.sine * surface.wall);
+}
+
+/* A billboard: the rectangle with these half axes around center. Perspective has made the patch
+ * larger by enlarge at most. is_known is false where the eye is so near that there is none. */
 struct Billboard {
     vec3 center, across, along;
     float enlarge;
     bool is_known;
 };
 
-/* Finds the rectangle across the ray to the centre that hides the cylinder of the disc and of
- * surface.low_high. In coordinates that are sheared so that the tangent plane lies flat, the
- * cylinder stands upright. enlarge is for the points of the cylinder that are nearest to the eye. */
-Billboard billboard_of(Surface surface, vec3 eye) {
-    vec3 sheared = vec3(eye.xy, eye.z - dot(surface.slope, eye.xy));
-    float distance = length(sheared);
-    vec3 axis = sheared / distance;
-    float sine = length(axis.xy);
-    vec2 aside = sine > 1e-5 ? axis.xy / sine : vec2(1.0, 0.0);
-    vec2 bounds = surface.low_high;
-    float reach = sine + max(bounds.x * axis.z, bounds.y * axis.z);
+/* Finds the rectangle across the ray to the centre that hides what is seen of the patch.
+ * Perspective makes what is nearest to the eye largest, and what is farthest smallest. */
+Billboard billboard_of(Surface surface, Axis axis, vec4 reach) {
+    vec2 over = axis.cosine * surface.low_high, aside = axis.aside;
+    vec2 nearer = axis.sine * vec2(-reach.y, reach.x) +
+                  vec2(min(over.x, over.y), max(over.x, over.y)); /* at least and at most */
+    vec2 scale = u_shift.y > 0.0 ? axis.distance / (axis.distance - nearer) : vec2(1.0);
+    vec4 sides = vec4(heights_of(surface, axis, reach), reach.zw);
+    sides *= mix(scale.xxxx, scale.yyyy, greaterThan(sides, vec4(0.0)));
+    vec3 up = vec3(-axis.cosine * aside, axis.sine), right = vec3(-aside.y, aside.x, 0.0);
+    up.z += dot(surface.slope, up.xy);
+    right.z += dot(surface.slope, right.xy);
     Billboard b;
-    b.is_known = u_shift.y == 0.0 || distance > 1.01 * reach;
-    b.enlarge = u_shift.y > 0.0 ? distance / (distance - reach) : 1.0;
-    vec3 up = vec3(-aside * axis.z, sine);
-    b.across = vec3(-aside.y, aside.x, 0.0);
-    b.along = up * (abs(axis.z) + 0.5 * sine * (bounds.y - bounds.x));
-    b.center = up * (0.5 * sine * (bounds.x + bounds.y));
-    b.center.z += dot(surface.slope, b.center.xy);
-    b.across.z += dot(surface.slope, b.across.xy);
-    b.along.z += dot(surface.slope, b.along.xy);
+    /* Where the eye comes near to the cylinder of the whole disc, corners would lie far away. */
+    b.is_known = u_shift.y == 0.0 || axis.distance > 1.01 * (axis.sine + max(over.x, over.y));
+    b.enlarge = max(scale.y, 1.0);
+    b.across = 0.5 * (sides.z + sides.w) * right;
+    b.along = 0.5 * (sides.x + sides.y) * up;
+    b.center = 0.5 * ((sides.x - sides.y) * up + (sides.z - sides.w) * right);
     return b;
 }
 
 /* Returns by how much the half axes of a billboard have to grow, as parts of themselves, so that
- * its sides move outwards by a 128th of a pixel: rasterisers round corners to a 256th. */
-vec2 room_of(Billboard b, vec4 center, mat3 local_to_clip_xyw) {
-    vec2 ndc = center.xy / center.w;
-    vec3 p = local_to_clip_xyw * b.across, q = local_to_clip_xyw * b.along;
-    vec2 across = u_half_viewport.xy * (p.xy - ndc * p.z) / center.w;
-    vec2 along = u_half_viewport.xy * (q.xy - ndc * q.z) / center.w;
-    float area = max(abs(across.x * along.y - across.y * along.x), 1e-12);
-    return min(vec2(length(along), length(across)) / (128.0 * area), 100.0);
+ * its sides move outwards by a 128th of a pixel: rasterisers round corners to a 256th. Its centre
+ * and half axes are in clip space, without z. */
+vec2 room_of(vec3 center, vec3 across, vec3 along) {
+    vec2 ndc = center.xy / center.z;
+    vec2 p = u_half_viewport.xy * (across.xy - ndc * across.z) / center.z;
+    vec2 q = u_half_viewport.xy * (along.xy - ndc * along.z) / center.z;
+    float area = max(abs(p.x * q.y - p.y * q.x), 1e-12);
+    return min(vec2(length(q), length(p)) / (128.0 * area), 100.0);
 }
 
 /* Returns a z of clip space for a corner that lies between the planes, not behind any point of the
@@ -183,7 +234,7 @@ void main() {
     ivec2 place = place_of(splat), texel = texel_of(place);
 #if PART
     if (is_cut(place) != (PART == PSPLAT_PART_CUT)) {
-        gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
+        gl_Position = nowhere();
         return;
     }
 #endif
@@ -206,20 +257,35 @@ void main() {
     normals[1] /= ratio;
     vec3 eye = u_shift.y > 0.0 ? -unit * (eye_center * normals)
                                : -unit * (u_view_direction * normals);
+    Axis axis = axis_to(surface, eye);
+    vec4 reach = WHOLE_DISC;
 #if !TWO_SIDED
-    if (is_turned_away(surface, eye, wall)) {
-        gl_Position = vec4(2.0, 2.0, 2.0, 1.0);
-        return;
+    reach = cut_backs(reach, axis.aside, surface, eye);
+#endif
+#if CLIP_COUNT > 0
+    for (int i = 0; i < CLIP_COUNT; ++i)
+        v_lines[i] = LINE_TYPE(texelFetch(u_clips, ivec2(place.x * LINE_COUNT + i, place.y), 0));
+    for (int i = 0; i < CLIP_COUNT - SEAM_COUNT; ++i) {
+        vec3 line = v_lines[i].xyz;
+#if BENDS /* A bent line keeps no more than this straight one does. */
+        line.z += 0.5 * max(v_lines[i].w, 0.0) * dot(line.xy, line.xy);
+#endif
+        reach = cut_disc(reach, axis.aside, line);
     }
 #endif
+    if (min(reach.x + reach.y, reach.z + reach.w) < 0.0) {
+        gl_Position = nowhere();
+        return;
+    }
     mat3x4 clip_axes = mat3x4(u_projection) * to_eye;
     vec4 clip_center = u_projection * vec4(eye_center, 1.0);
-    Billboard b = billboard_of(surface, eye);
+    Billboard b = billboard_of(surface, axis, reach);
     vec3 local, point;
     if (b.is_known) {
         mat3 xyw = mat3(clip_axes[0].xyw, clip_axes[1].xyw, clip_axes[2].xyw);
-        vec2 grown = side * (1.0 + room_of(b, clip_center, xyw));
-        local = b.enlarge * (b.center + grown.x * b.across + grown.y * b.along);
+        vec3 middle = clip_center.xyw + xyw * b.center, p = xyw * b.across, q = xyw * b.along;
+        vec2 grown = side * (1.0 + b.enlarge * room_of(middle, p, q));
+        local = b.center + grown.x * b.across + grown.y * b.along;
         point = eye_center + to_eye * local;
     } else {
         /* The whole view, half a radius before the eye. */
@@ -242,10 +308,6 @@ void main() {
 #endif
 #if TEXTURED || READS_SURFACE
     v_splat = float(splat);
-#endif
-#if CLIP_COUNT > 0
-    for (int i = 0; i < CLIP_COUNT; ++i)
-        v_lines[i] = LINE_TYPE(texelFetch(u_clips, ivec2(place.x * LINE_COUNT + i, place.y), 0));
 #endif
 #if PASS == PSPLAT_PASS_VISIBILITY
     v_distance = length(view_ray(point));

@@ -17,7 +17,7 @@ uniform vec3 u_shift; /* psplat_camera.shift, see shift_of(); where not INSTANCE
 #ifdef INSTANCED
 layout(location = PSPLAT_ATTRIBUTE_MODELVIEW) in mat3x4 a_modelview;
 layout(location = PSPLAT_ATTRIBUTE_NORMAL) in mat3x4 a_normal;
-layout(location = PSPLAT_ATTRIBUTE_FIRST) in ivec2 a_first;
+layout(location = PSPLAT_ATTRIBUTE_FIRST) in ivec3 a_first;
 #else
 uniform mat4 u_modelview;
 uniform mat3 u_normal_matrix;
@@ -87,6 +87,16 @@ int first_index() {
 #else
     return u_first_index;
 #endif
+}
+
+/* Returns where all corners of a splat go that is not drawn. Mesa's llvmpipe takes all triangles of
+ * a call through a slow path where one vertex lies outside of the view, and drops what lies outside
+ * as a whole early on it. So they go into the view where no other vertex of the call lies outside. */
+vec4 nowhere() {
+#ifdef INSTANCED
+    if (a_first.z == 0) return vec4(2.0, 2.0, 2.0, 1.0);
+#endif
+    return vec4(0.0, 0.0, 0.0, 1.0);
 }
 
 /* Returns the first texel of a splat. */

@@ -165,11 +165,21 @@ static int is_seen_from_behind(const psplat_chunk *chunk, const psplat_chunk_vie
     return cos_phi * cos_theta - sines > ray_spread + rounding;
 }
 
+/* Returns how far a point is inside of a plane. */
+static double distance_inside(const double plane[4], const float point[3]) {
+    const double p[3] = {point[0], point[1], point[2]};
+    return psplat_dot3(plane, p) + plane[3];
+}
+
 int psplat_chunk_is_visible(const psplat_chunk *chunk, const psplat_chunk_view *view) {
-    for (int i = 0; i < 6; ++i) {
-        const double *p = view->planes[i];
-        double center[3] = {chunk->center[0], chunk->center[1], chunk->center[2]};
-        if (psplat_dot3(p, center) + p[3] < -(double)chunk->radius) return 0;
-    }
+    for (int i = 0; i < 6; ++i)
+        if (distance_inside(view->planes[i], chunk->center) < -(double)chunk->radius) return 0;
     return !view->is_culled || !is_seen_from_behind(chunk, view);
+}
+
+int psplat_sphere_is_between_sides(const float center[3], float radius,
+                                   const psplat_chunk_view *view) {
+    for (int i = 0; i < 4; ++i)
+        if (!(distance_inside(view->planes[i], center) >= (double)radius)) return 0;
+    return 1;
 }

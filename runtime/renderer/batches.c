@@ -118,17 +118,19 @@ static unsigned options_of(const psplat_model_batch *batch, const psplat_placeme
     return options;
 }
 
-/* Adds a chunk to the last run, or begins another where it does not follow it. */
-static int add_chunk(psplat_renderer *renderer, psplat_placed *placed, GLsizei first, GLsizei end) {
+/* Adds a chunk to the last run, or begins another where it does not follow it or is not as much in
+ * the view. */
+static int add_chunk(psplat_renderer *renderer, psplat_placed *placed, const psplat_run *chunk) {
     psplat_list *runs = &renderer->instances.runs;
     psplat_run *last = runs->count ? (psplat_run *)runs->items + runs->count - 1 : NULL;
-    if (placed->run_count && last->end == first) {
-        last->end = end;
+    if (placed->run_count && last->end == chunk->first &&
+        last->is_between_sides == chunk->is_between_sides) {
+        last->end = chunk->end;
         return 1;
     }
     psplat_run *run = psplat_list_add(runs, &renderer->allocator, sizeof *run);
     if (!run) return 0;
-    *run = (psplat_run){first, end};
+    *run = *chunk;
     ++placed->run_count;
     return 1;
 }
@@ -160,20 +162,36 @@ static void mark_chunk(psplat_frame *f, const psplat_camera *camera,
     }
 }
 
+/* Returns 1 where all splats of a chunk lie between the four sides of the view. The sphere around
+ * them all may reach far beyond large splats. */
+static int is_between_sides(const psplat_model_batch *batch, GLsizei first, GLsizei end,
+                            const psplat_chunk_view *view) {
+    const psplat_chunk *chunk = &batch->chunks[first / PSPLAT_CHUNK_SPLATS];
+    if (psplat_sphere_is_between_sides(chunk->center, chunk->radius, view)) return 1;
+    if (!batch->spheres) return 0;
+    for (GLsizei i = first; i < end; ++i) {
+        const float *sphere = batch->spheres + 4 * (size_t)i;
+        if (!psplat_sphere_is_between_sides(sphere, sphere[3], view)) return 0;
+    }
+    return 1;
+}
+
 /* Finds the runs of chunks that may be visible and enters them in the frame's extent. Returns 0
  * where memory runs out. */
 static int find_runs(psplat_frame *f, const psplat_camera *camera, psplat_placed *placed,
                      const psplat_placement *placement) {
     const psplat_model_batch *batch = placed->batch;
+    const psplat_chunk_view *chunk_view = &placement->chunk_view;
     GLsizei count = batch->splat_count;
     placed->first_run = f->renderer->instances.runs.count;
     placed->run_count = 0;
     for (GLsizei at = 0; at < count; at += PSPLAT_CHUNK_SPLATS) {
         const psplat_chunk *chunk = &batch->chunks[at / PSPLAT_CHUNK_SPLATS];
-        if (!psplat_chunk_is_visible(chunk, &placement->chunk_view)) continue;
+        if (!psplat_chunk_is_visible(chunk, chunk_view)) continue;
         GLsizei end = count - at < PSPLAT_CHUNK_SPLATS ? count : at + PSPLAT_CHUNK_SPLATS;
         mark_chunk(f, camera, batch, at, end, placement->clip);
-        if (!add_chunk(f->renderer, placed, at, end)) return 0;
+        const psplat_run run = {at, end, is_between_sides(batch, at, end, chunk_view)};
+        if (!add_chunk(f->renderer, placed, &run)) return 0;
     }
     return 1;
 }
@@ -189,7 +207,7 @@ static void set_instance(psplat_instance *instance, const psplat_placement *plac
     instance->normal[3] = placement->epsilon;
     instance->normal[7] = placement->unstretch;
     instance->normal[11] = 1.0f - item->fade;
-    instance->first[0] = 0;
+    instance->first[0] = instance->first[2] = 0;
     instance->first[1] = (GLint)(first_index & 0x7fffffffu);
 }
 

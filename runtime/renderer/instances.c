@@ -108,12 +108,14 @@ typedef struct maker {
     size_t group_calls; /* calls of earlier groups, which draw something else */
 } maker;
 
-/* Adds an instance whose first splat is another one than the batch's. */
-static int add_instance(maker *m, const psplat_placed *placed, GLsizei first) {
+/* Adds an instance that begins at a splat of a run. */
+static int add_instance(maker *m, const psplat_placed *placed, const psplat_run *run,
+                        GLsizei first) {
     psplat_instance *made = psplat_list_add(&m->in->instances, m->allocator, sizeof *made);
     if (!made) return 0;
     *made = placed->instance;
     made->first[0] = first;
+    made->first[2] = run->is_between_sides;
     return 1;
 }
 
@@ -140,9 +142,12 @@ static int add_call(maker *m, size_t placed, GLsizei first, GLsizei count) {
 static int add_whole(maker *m, size_t index) {
     const psplat_placed *placed = (const psplat_placed *)m->in->placed.items + index;
     const psplat_run *runs = (const psplat_run *)m->in->runs.items + placed->first_run;
-    if (!add_instance(m, placed, 0)) return 0;
-    for (size_t i = 0; i < placed->run_count; ++i)
-        if (!add_call(m, index, runs[i].first, runs[i].end - runs[i].first)) return 0;
+    for (size_t i = 0; i < placed->run_count; ++i) {
+        int is_same = i > 0 && runs[i].is_between_sides == runs[i - 1].is_between_sides;
+        if ((!is_same && !add_instance(m, placed, &runs[i], 0)) ||
+            !add_call(m, index, runs[i].first, runs[i].end - runs[i].first))
+            return 0;
+    }
     return 1;
 }
 
@@ -157,7 +162,7 @@ static int add_pieces(maker *m, size_t index, GLsizei chunks) {
                                : run.end - run.first - whole * PSPLAT_CHUNK_SPLATS;
         GLsizei before = chunks ? whole - whole % (2 * chunks) : whole;
         if (chunks ? !(whole & chunks) : count == 0) continue;
-        if (!add_instance(m, placed, run.first + before * PSPLAT_CHUNK_SPLATS) ||
+        if (!add_instance(m, placed, &run, run.first + before * PSPLAT_CHUNK_SPLATS) ||
             !add_call(m, index, 0, count))
             return 0;
     }
@@ -248,7 +253,7 @@ void psplat_instances_use(psplat_instances *in, const psplat_gl *gl, size_t inst
     for (GLuint i = 0; i < PSPLAT_ATTRIBUTE_FIRST; ++i)
         gl->VertexAttribPointer(i, 4, GL_FLOAT, GL_FALSE, stride,
                                 (const void *)(uintptr_t)(offset + i * 4 * sizeof(float)));
-    gl->VertexAttribIPointer(PSPLAT_ATTRIBUTE_FIRST, 2, GL_INT, stride,
+    gl->VertexAttribIPointer(PSPLAT_ATTRIBUTE_FIRST, 3, GL_INT, stride,
                              (const void *)(uintptr_t)(offset + offsetof(psplat_instance, first)));
 }
 

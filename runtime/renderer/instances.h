@@ -17,12 +17,14 @@ typedef struct psplat_instance {
     float
         normal[12]; /* three rows of 3, followed by: epsilon; unstretch (psplat_placement); 1 - fade
                      */
-    GLint first[2]; /* the run's first splat; that of the batch, counted over all batches */
+    GLint first[3]; /* the run's first splat; that of the batch, counted over all batches; the run's
+                       is_between_sides */
 } psplat_instance;
 
 /* Consecutive splats of a batch that may be visible: first ... end - 1. */
 typedef struct psplat_run {
     GLsizei first, end;
+    int is_between_sides; /* 1: the splats lie between the four sides of the view */
 } psplat_run;
 
 /* A batch as an item places it in a view. */

@@ -188,6 +188,53 @@ static void test_left_out(void **state) {
     assert_true(hidden > ROUNDS / 4);
 }
 
+/* Returns whether a point of a sphere lies beside the view, by its clip coordinates. */
+static int pokes_out(const double center[3], double radius, const double clip[16]) {
+    for (int k = 0; k < 200; ++k) {
+        double z = -1 + (k + 0.5) / 100, ring = sqrt(1 - z * z), c[4];
+        const double p[3] = {center[0] + radius * ring * cos(2.4 * k),
+                             center[1] + radius * ring * sin(2.4 * k), center[2] + radius * z};
+        for (int row = 0; row < 4; ++row)
+            c[row] =
+                clip[row] * p[0] + clip[4 + row] * p[1] + clip[8 + row] * p[2] + clip[12 + row];
+        if (fabs(c[0]) > c[3] || fabs(c[1]) > c[3]) return 1;
+    }
+    return 0;
+}
+
+/* What lies between the sides does not poke out of them. Of what does not, few spheres reach a side
+ * between the points that are looked at. */
+static void test_between_sides(void **state) {
+    (void)state;
+    enum { ROUNDS = 20000 };
+    const double margin[2] = {0, 0}, ahead[3] = {0, 0, -1}, none[3] = {0, 0, 0};
+    int between = 0, missed = 0;
+    for (int round = 0; round < ROUNDS; ++round) {
+        int is_perspective = round & 1;
+        double modelview[16], inverse[16], projection[16], clip[16], center[3], radius;
+        psplat_chunk_view view;
+        random_modelview(modelview);
+        projection_of(is_perspective, projection);
+        multiply(projection, modelview, clip);
+        invert_affine(modelview, inverse);
+        psplat_chunk_view_set(&view, clip, inverse, margin, is_perspective,
+                              is_perspective ? none : ahead, 0);
+        for (int i = 0; i < 3; ++i) center[i] = (double)(float)uniform(-1, 1);
+        radius = (double)(float)uniform(0.01, 0.5);
+        const float c[3] = {(float)center[0], (float)center[1], (float)center[2]};
+        int pokes = pokes_out(center, radius, clip);
+        if (psplat_sphere_is_between_sides(c, (float)radius, &view)) {
+            ++between;
+            assert_false(pokes);
+        } else {
+            missed += !pokes;
+        }
+    }
+    print_message("%d of %d between the sides, %d missed\n", between, (int)ROUNDS, missed);
+    assert_true(between > ROUNDS / 20);
+    assert_true(missed < between / 20);
+}
+
 /* The sphere encloses curved patches; rounding to float counts a millionth. */
 static void test_enclosed(void **state) {
     (void)state;
@@ -277,9 +324,8 @@ static void test_sides(void **state) {
 
 int test_chunk_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_left_out),
-        cmocka_unit_test(test_enclosed),
-        cmocka_unit_test(test_sphere),
+        cmocka_unit_test(test_left_out), cmocka_unit_test(test_between_sides),
+        cmocka_unit_test(test_enclosed), cmocka_unit_test(test_sphere),
         cmocka_unit_test(test_sides),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

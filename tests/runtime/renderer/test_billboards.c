@@ -1,0 +1,247 @@
+/* SPDX-License-Identifier: MIT
+ *
+ * test_billboards.c - tests the rectangles that curved splats are drawn as: each covers all pixels
+ * of its splat, and not many more. A renderer whose loader gives fragments of splats another source
+ * draws the rectangles themselves. Also that instances know whether they lie between the sides of
+ * the view.
+ */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+
+#include "gl_canvas.h"
+#include "host_gl.h"
+#include "reference_view.h"
+#include "scene_asset.h"
+
+#include <math.h>
+#include <string.h>
+
+/* ---- a renderer that is watched ---------------------------------------------------------- */
+
+/* An instance as renderer/instances.h has it, whose header does not go together with the host's of
+ * GL: four-byte numbers, of which the last says whether it lies between the sides. */
+enum { MAX_INSTANCES = 8, NUMBERS = 27 };
+typedef struct instance {
+    int32_t numbers[NUMBERS];
+} instance;
+
+typedef void *(*loader)(void *user, const char *function);
+
+static struct {
+    PFNGLSHADERSOURCEPROC source;
+    PFNGLBUFFERDATAPROC buffer;
+    instance instances[MAX_INSTANCES]; /* those of the last frame */
+    size_t count;
+} watched;
+
+/* Writes weights of 1 wherever the primitive is; visibility needs no outputs. */
+static const char *const everywhere[] = {
+    "\nlayout(location = 0) out vec4 o_sum;\n"
+    "layout(location = 1) out float o_depth;\n"
+    "void main() { o_sum = vec4(0.0, 0.0, 1.0, 1.0); o_depth = gl_FragCoord.z; }\n"};
+
+static void APIENTRY replace_source(GLuint shader, GLsizei count, const GLchar *const *strings,
+                                    const GLint *lengths) {
+    const GLchar *sources[2] = {strings[0], everywhere[0]}; /* the version comes first */
+    for (GLsizei i = 0; i < count; ++i)
+        if (strstr(strings[i], "find_hit(")) {
+            watched.source(shader, 2, sources, NULL);
+            return;
+        }
+    watched.source(shader, count, strings, lengths);
+}
+
+static void APIENTRY keep_instances(GLenum target, GLsizeiptr size, const void *data,
+                                    GLenum usage) {
+    watched.count = (size_t)size / sizeof *watched.instances;
+    assert_true(watched.count <= MAX_INSTANCES);
+    memcpy(watched.instances, data, (size_t)size);
+    watched.buffer(target, size, data, usage);
+}
+
+static void *watch_sources(void *user, const char *function) {
+    void *address = psplat_host_get_proc(user, function);
+    PFNGLSHADERSOURCEPROC mine = replace_source;
+    if (strcmp(function, "glShaderSource") != 0) return address;
+    memcpy(&watched.source, &address, sizeof address);
+    memcpy(&address, &mine, sizeof address);
+    return address;
+}
+
+static void *watch_buffers(void *user, const char *function) {
+    void *address = psplat_host_get_proc(user, function);
+    PFNGLBUFFERDATAPROC mine = keep_instances;
+    if (strcmp(function, "glBufferData") != 0) return address;
+    memcpy(&watched.buffer, &address, sizeof address);
+    memcpy(&address, &mine, sizeof address);
+    return address;
+}
+
+/* Gives the canvas a renderer with another loader. */
+static void set_loader(canvas *c, loader get_proc) {
+    psplat_error error = {0};
+    const psplat_renderer_desc desc = {.get_proc = get_proc, .user = c->host};
+    psplat_renderer_destroy(c->renderer);
+    canvas_check(psplat_renderer_create(&desc, &c->renderer, &error), &error);
+}
+
+/* ---- rectangles -------------------------------------------------------------------------- */
+
+/* Draws a scene as a renderer with this loader does. */
+static void draw(canvas *c, loader get_proc, const scene *s, const psplat_view *view) {
+    set_loader(c, get_proc);
+    psplat_asset *asset = scene_open(s);
+    psplat_item item = {.model = canvas_model(c, asset)};
+    canvas_draw(c, view, &item, 1);
+    psplat_model_destroy(c->renderer, item.model);
+    psplat_asset_destroy(asset);
+}
+
+/* Returns a view of the origin, `degrees` from the z axis. */
+static psplat_view view_at(double degrees, int is_parallel) {
+    const double angle = degrees * 3.14159265358979323846 / 180;
+    psplat_view view = camera_view(CANVAS_SIZE, CANVAS_SIZE);
+    camera_look(&view, (double[]){20 * sin(angle), 0, 20 * cos(angle)}, (double[]){0, 0, 0});
+    if (is_parallel)
+        camera_parallel(&view, 1.3, 15, 25);
+    else
+        camera_perspective(&view, 7 * CANVAS_SIZE, 15, 25);
+    return view;
+}
+
+/* Returns a dome over the unit disc whose slope at the rim is `bend`, and a line that cuts it, or a
+ * (0, 0, 1) that does not. */
+static scene dome(float bend, const float line[3], float kappa) {
+    scene s = scene_disc(1);
+    psplat_splat *splat = &s.splats[0];
+    splat->gradient[0] = splat->gradient[1] = bend;
+    scene_curve(&s);
+    if (line[0] == 0 && line[1] == 0) return s;
+    splat->clip_count = 1;
+    memcpy(splat->clip[0], line, sizeof splat->clip[0]);
+    splat->bend[0] = kappa;
+    return s;
+}
+
+/* Returns the pixels of the rectangle divided by those of the splat, all of which it has. */
+static double excess(canvas *c, const scene *s, const psplat_view *view) {
+    static canvas splat;
+    draw(c, psplat_host_get_proc, s, view);
+    splat = *c;
+    draw(c, watch_sources, s, view);
+    for (int i = 0; i < CANVAS_SIZE * CANVAS_SIZE; ++i)
+        if (splat.color[4 * i + 3] > 0) assert_true(c->color[4 * i + 3] > 0);
+    assert_true(canvas_covered(&splat) > 200);
+    return (double)canvas_covered(c) / canvas_covered(&splat);
+}
+
+/* A rectangle is 4 / pi = 1.27 times its ellipse. What is cut off at an angle leaves more, and so
+ * does perspective, which bounds do not follow exactly. The bounds are 3 % above what was measured;
+ * without what lines and turned sides cut off the excess is up to 11. */
+static void test_rectangles(void **state) {
+    canvas *c = *state;
+    static const struct {
+        double degrees;
+        float bend, line[3], kappa;
+        double bound;
+    } cases[] = {
+        {0, 0.5f, {0, 0, 1}, 0, 1.36},      {45, 0.5f, {0, 0, 1}, 0, 1.42},
+        {80, 1, {0, 0, 1}, 0, 1.58},        {110, 1, {0, 0, 1}, 0, 3.93},
+        {110, -1, {0, 0, 1}, 0, 4.07},      {0, 0.5f, {1, 0, 0}, 0, 1.36},
+        {45, 0.5f, {0, 1, -0.5f}, 0, 1.80}, {0, 0.5f, {1, 0, -0.5f}, 1, 2.39},
+        {60, 0.5f, {-1, 0, 0}, 0, 2.31},    {30, 0.5f, {0.8f, 0.6f, 0}, 0, 1.93},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
+        for (int is_parallel = 0; is_parallel < 2; ++is_parallel) {
+            scene s = dome(cases[i].bend, cases[i].line, cases[i].kappa);
+            psplat_view view = view_at(cases[i].degrees, is_parallel);
+            double e = excess(c, &s, &view);
+            print_message("case %zu, %s: %.3f (bound %.2f)\n", i,
+                          is_parallel ? "parallel" : "perspective", e, cases[i].bound);
+            assert_true(e <= cases[i].bound);
+            scene_free(&s);
+        }
+}
+
+/* Nothing is drawn of what lines that exclude each other leave, nor of a dome from below. */
+static void test_nothing(void **state) {
+    canvas *c = *state;
+    const float none[3] = {0, 0, 1};
+    scene s = dome(0.5f, none, 0);
+    psplat_view view = view_at(170, 0);
+    draw(c, watch_sources, &s, &view);
+    assert_int_equal(canvas_covered(c), 0);
+    view.culling = PSPLAT_CULL_NEVER;
+    draw(c, watch_sources, &s, &view);
+    assert_true(canvas_covered(c) > 200);
+    view = view_at(0, 0);
+    s.splats[0].clip_count = 2;
+    for (int k = 0; k < 2; ++k) {
+        s.splats[0].clip[k][0] = k ? -1 : 1;
+        s.splats[0].clip[k][2] = -0.25f;
+    }
+    draw(c, watch_sources, &s, &view);
+    assert_int_equal(canvas_covered(c), 0);
+    scene_free(&s);
+}
+
+/* ---- instances ----------------------------------------------------------------------------- */
+
+/* Returns two chunks of discs, the second one `aside` the first. */
+static scene two_chunks(float aside) {
+    scene s = scene_blank(512);
+    for (size_t i = 0; i < s.count; ++i) {
+        s.splats[i].radius[0] = s.splats[i].radius[1] = 0.25f;
+        s.splats[i].center[0] = i < 256 ? 0 : aside;
+        s.splats[i].center[1] = 0.001f * (float)(i % 256);
+    }
+    return s;
+}
+
+/* The view is 1.3 wide to each side; discs in its middle are between its sides, those that one cuts
+ * are not. Runs of one kind are one instance. */
+static void test_between_sides(void **state) {
+    canvas *c = *state;
+    const psplat_view view = view_at(0, 1);
+    static const struct {
+        float aside;
+        size_t count;
+        int32_t last[2];
+    } cases[] = {{0.5f, 1, {1, 0}}, {1.2f, 2, {1, 0}}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
+        scene s = two_chunks(cases[i].aside);
+        draw(c, watch_buffers, &s, &view);
+        assert_int_equal(watched.count, cases[i].count);
+        for (size_t k = 0; k < watched.count; ++k)
+            assert_int_equal(watched.instances[k].numbers[NUMBERS - 1], cases[i].last[k]);
+        scene_free(&s);
+    }
+}
+
+static int open_gl(void **state) {
+    *state = canvas_create(PSPLAT_API_GL);
+    return 0;
+}
+
+static int open_gles(void **state) {
+    *state = canvas_create(PSPLAT_API_GLES);
+    return 0;
+}
+
+static int close_canvas(void **state) {
+    canvas_destroy(*state);
+    return 0;
+}
+
+int test_billboards_main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_rectangles),
+        cmocka_unit_test(test_nothing),
+        cmocka_unit_test(test_between_sides),
+    };
+    int failed = cmocka_run_group_tests_name("billboards_gl", tests, open_gl, close_canvas);
+    return failed + cmocka_run_group_tests_name("billboards_gles", tests, open_gles, close_canvas);
+}
