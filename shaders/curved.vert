@@ -114,23 +114,6 @@ Axis axis_to(Surface surface, vec3 eye) {
     return Axis(aside, sine, sheared.z / distance, distance);
 }
 
-/* How far what is seen of the disc reaches along aside, against it, and to both sides across: */
-const vec4 WHOLE_DISC = vec4(1.0), NOTHING = vec4(-1.0);
-
-/* Cuts away what a line (a, b, c) does not keep, which is where a u + b v + c < 0. What is left
- * reaches as far as the circle, or as the end of the chord. Lines have a thousandth of the radius of
- * room. */
-vec4 cut_disc(vec4 reach, vec2 aside, vec3 line) {
-    float size = length(line.xy);
-    if (line.z >= size) return reach;
-    if (line.z < -size) return NOTHING;
-    float offset = line.z / size + 1e-3, half_chord = sqrt(max(1.0 - offset * offset, 0.0));
-    vec2 to = vec2(dot(line.xy, aside), aside.x * line.y - aside.y * line.x) / size;
-    vec4 towards = vec4(to.x, -to.x, to.y, -to.y);
-    vec4 chord = half_chord * abs(towards.zzxx) - offset * towards;
-    return min(reach, mix(chord, vec4(1.0), greaterThanEqual(towards, vec4(-offset))));
-}
-
 /* Cuts away where the eye sees the patch from behind: where n . (eye - point), which is
  * eye.z - slope . eye.xy - uv H eye.xy + uv H uv / 2, is negative, also at points down to the foot
  * of the wall. In orthographic views eye is a direction, and the last terms are not there. */
@@ -190,17 +173,6 @@ Billboard billboard_of(Surface surface, Axis axis, vec4 reach) {
     b.along = 0.5 * (sides.x + sides.y) * up;
     b.center = 0.5 * ((sides.x - sides.y) * up + (sides.z - sides.w) * right);
     return b;
-}
-
-/* Returns by how much the half axes of a billboard have to grow, as parts of themselves, so that
- * its sides move outwards by a 128th of a pixel: rasterisers round corners to a 256th. Its centre
- * and half axes are in clip space, without z. */
-vec2 room_of(vec3 center, vec3 across, vec3 along) {
-    vec2 ndc = center.xy / center.z;
-    vec2 p = u_half_viewport.xy * (across.xy - ndc * across.z) / center.z;
-    vec2 q = u_half_viewport.xy * (along.xy - ndc * along.z) / center.z;
-    float area = max(abs(p.x * q.y - p.y * q.x), 1e-12);
-    return min(vec2(length(q), length(p)) / (128.0 * area), 100.0);
 }
 
 /* Returns a z of clip space for a corner that lies between the planes, not behind any point of the
@@ -263,17 +235,13 @@ void main() {
     reach = cut_backs(reach, axis.aside, surface, eye);
 #endif
 #if CLIP_COUNT > 0
-    for (int i = 0; i < CLIP_COUNT; ++i)
-        v_lines[i] = LINE_TYPE(texelFetch(u_clips, ivec2(place.x * LINE_COUNT + i, place.y), 0));
-    for (int i = 0; i < CLIP_COUNT - SEAM_COUNT; ++i) {
-        vec3 line = v_lines[i].xyz;
-#if BENDS /* A bent line keeps no more than this straight one does. */
-        line.z += 0.5 * max(v_lines[i].w, 0.0) * dot(line.xy, line.xy);
-#endif
-        reach = cut_disc(reach, axis.aside, line);
+    for (int i = 0; i < CLIP_COUNT; ++i) {
+        vec4 line = texelFetch(u_clips, ivec2(place.x * LINE_COUNT + i, place.y), 0);
+        v_lines[i] = LINE_TYPE(line);
+        if (i < CLIP_COUNT - SEAM_COUNT) reach = cut_disc(reach, axis.aside, straightened(line));
     }
 #endif
-    if (min(reach.x + reach.y, reach.z + reach.w) < 0.0) {
+    if (is_nothing(reach)) {
         gl_Position = nowhere();
         return;
     }

@@ -66,8 +66,9 @@
  *     NORMAL     the three rows of the matrix for normals, each with a fourth number: epsilon of
  *                eq. (5) without its cosine; what turns lengths of eye space into those of object
  *                space, on average; the factor of weights (1 - psplat_item.fade)
- *     FIRST      three integers: the run's first splat; the batch's first splat, counted over all
- *                batches of all items; 1 where the run lies between the four sides of the view */
+ *     FIRST      two integers: the run's first splat; the batch's first splat, counted over all
+ *                batches of all items, of which the sign bit is set where a side of the view may
+ *                cut the run */
 #define PSPLAT_ATTRIBUTE_MODELVIEW 0
 #define PSPLAT_ATTRIBUTE_NORMAL 3
 #define PSPLAT_ATTRIBUTE_FIRST 6

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  *
- * splat.vert - draws a flat splat as one triangle in its plane around its ellipse. The corners are
- * constants in (u, v). The normal field and the values of straight clip lines are linear in (u, v),
+ * splat.vert - draws a flat splat as one triangle in its plane around its ellipse, whose corners are
+ * constants in (u, v), or as a rectangle around what clip lines leave of it. The normal field and the values of straight clip lines are linear in (u, v),
  * so they are exact at the corners, and the hardware interpolates them with perspective; of bent
  * lines the fragment shader gets two linear values. Curved splats whose curvature does not show are
  * drawn by this shader too, as the ellipses in their tangent planes (spec 5.1).
  *
- * gl_program.c defines PASS, CLIP_COUNT, CLIP_TYPE, LINE_COUNT, BENDS, WIDE, SHAPE, COLOR, FINISH, FIELD, GAMMA,
+ * gl_program.c defines PASS, BOX, CLIP_COUNT, CLIP_TYPE, LINE_COUNT, SEAM_COUNT, BENDS, WIDE, SHAPE, COLOR, FINISH, FIELD, GAMMA,
  * NEAR, TWO_SIDED, FILTER, TANGENT, TEXTURED and NORMAL_MAP. texels.glsl, splat_data.glsl and
  * shift.glsl come before this file.
  */
@@ -61,6 +61,49 @@ vec2 corner_uv(int corner) {
     return corner == 0 ? vec2(-1.7388, -1.0039)
                        : corner == 1 ? vec2(1.7388, -1.0039) : vec2(0.0, 2.0078);
 }
+
+#if BOX
+/* A rectangle around what clip lines leave of the disc: its middle and half axes in (u, v). */
+struct Box {
+    vec2 middle, along, across;
+    bool is_nothing; /* lines exclude each other */
+};
+
+/* Returns the least of the rectangles along lines; where is_whole, one around all of the disc. */
+Box box_of(ivec2 place, bool is_whole) {
+    vec3 lines[CLIP_COUNT - SEAM_COUNT];
+    vec2 aside = vec2(1.0, 0.0);
+    vec4 least = WHOLE_DISC;
+    Box box;
+    box.is_nothing = false;
+    for (int i = 0; i < CLIP_COUNT - SEAM_COUNT; ++i)
+        lines[i] = straightened(texelFetch(u_clips, ivec2(place.x * LINE_COUNT + i, place.y), 0));
+    for (int k = 0; k < CLIP_COUNT - SEAM_COUNT && !is_whole; ++k) {
+        vec2 along = normalize(lines[k].xy);
+        vec4 reach = WHOLE_DISC;
+        for (int i = 0; i < CLIP_COUNT - SEAM_COUNT; ++i) reach = cut_disc(reach, along, lines[i]);
+        box.is_nothing = box.is_nothing || is_nothing(reach);
+        if ((reach.x + reach.y) * (reach.z + reach.w) >=
+            (least.x + least.y) * (least.z + least.w)) continue;
+        least = reach;
+        aside = along;
+    }
+    vec2 across = vec2(-aside.y, aside.x);
+    box.middle = 0.5 * ((least.x - least.y) * aside + (least.z - least.w) * across);
+    box.along = 0.5 * (least.x + least.y) * aside;
+    box.across = 0.5 * (least.z + least.w) * across;
+    return box;
+}
+
+/* Returns a corner of a box, which has room for rounding. center and the columns of axes are the
+ * splat's in clip space, without z. */
+vec2 corner_of(Box box, int vertex, vec3 center, mat2x3 axes) {
+    int corner = vertex < 3 ? vertex : 6 - vertex; /* 0 1 2, 3 2 1 */
+    vec2 side = vec2(2 * (corner & 1) - 1, (corner & 2) - 1);
+    side *= 1.0 + room_of(center + axes * box.middle, axes * box.along, axes * box.across);
+    return box.middle + side.x * box.along + side.y * box.across;
+}
+#endif
 
 #if FILTER
 /* The screen-space filter of spec 5.8. A 2 x 2 matrix is a rotation times q plus a reflection times
@@ -209,8 +252,12 @@ mat3 facing_of(ivec2 texel, mat3 normals, vec3 normal, float ratio, float unit, 
 #endif
 
 void main() {
+#if BOX
+    int splat = first_splat() + gl_VertexID / 6;
+#else
     int triangle = gl_VertexID / 3, splat = first_splat() + triangle;
     vec2 uv = corner_uv(gl_VertexID - 3 * triangle);
+#endif
     ivec2 place = place_of(splat), texel = texel_of(place);
     vec4 center = texelFetch(u_splats, texel, 0);
     vec4 rotation = texelFetch(u_splats, texel + ivec2(1, 0), 0);
@@ -225,16 +272,32 @@ void main() {
     /* The position goes through eye space, so that z and w of a point, and with them its depth,
      * come from one rounded number. */
     vec3 eye_center = modelview() * vec4(center.xyz, 1.0);
+#if FILTER || BOX
+    vec4 clip_center = u_projection * vec4(eye_center, 1.0);
+    vec4 along_u = u_projection * vec4(mat3(modelview()) * plane[0], 0.0);
+    vec4 along_v = u_projection * vec4(mat3(modelview()) * (plane[1] * center.w), 0.0);
+#endif
+#if FILTER
+    Footprint footprint = footprint_of(clip_center, along_u, along_v);
+#endif
+#if BOX
+#if FILTER /* Lines of splats below a pixel are soft. */
+    Box box = box_of(place, footprint.is_known && footprint.lines < 1e6);
+#else
+    Box box = box_of(place, false);
+#endif
+    if (box.is_nothing) {
+        gl_Position = nowhere();
+        return;
+    }
+    vec2 uv = corner_of(box, gl_VertexID % 6, clip_center.xyw, mat2x3(along_u.xyw, along_v.xyw));
+#endif
     vec3 offset = plane[0] * uv.x + plane[1] * (center.w * uv.y);
     vec3 eye = eye_center + mat3(modelview()) * offset;
     gl_Position = u_projection * vec4(eye, 1.0);
 
     mat2 widened = mat2(1.0);
 #if FILTER
-    vec4 clip_center = u_projection * vec4(eye_center, 1.0);
-    vec4 along_u = u_projection * vec4(mat3(modelview()) * plane[0], 0.0);
-    vec4 along_v = u_projection * vec4(mat3(modelview()) * (plane[1] * center.w), 0.0);
-    Footprint footprint = footprint_of(clip_center, along_u, along_v);
     v_uv = vec4(uv, 1.0, 0.0);
     widened *= 1e6; /* clip lines are hard, as with Footprint.lines */
     if (footprint.is_known) {

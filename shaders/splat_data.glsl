@@ -17,7 +17,7 @@ uniform vec3 u_shift; /* psplat_camera.shift, see shift_of(); where not INSTANCE
 #ifdef INSTANCED
 layout(location = PSPLAT_ATTRIBUTE_MODELVIEW) in mat3x4 a_modelview;
 layout(location = PSPLAT_ATTRIBUTE_NORMAL) in mat3x4 a_normal;
-layout(location = PSPLAT_ATTRIBUTE_FIRST) in ivec3 a_first;
+layout(location = PSPLAT_ATTRIBUTE_FIRST) in ivec2 a_first;
 #else
 uniform mat4 u_modelview;
 uniform mat3 u_normal_matrix;
@@ -83,7 +83,7 @@ int first_splat() {
 /* Returns the batch's first splat, counted over all batches. */
 int first_index() {
 #ifdef INSTANCED
-    return a_first.y;
+    return a_first.y & 0x7fffffff;
 #else
     return u_first_index;
 #endif
@@ -94,7 +94,7 @@ int first_index() {
  * as a whole early on it. So they go into the view where no other vertex of the call lies outside. */
 vec4 nowhere() {
 #ifdef INSTANCED
-    if (a_first.z == 0) return vec4(2.0, 2.0, 2.0, 1.0);
+    if (a_first.y < 0) return vec4(2.0, 2.0, 2.0, 1.0);
 #endif
     return vec4(0.0, 0.0, 0.0, 1.0);
 }
@@ -113,6 +113,54 @@ mat3 axes_of(vec4 q) {
     return mat3(vec3(d + s.x - s.y - s.z, 2.0 * (p.x + w.z), 2.0 * (p.z - w.y)),
                 vec3(2.0 * (p.x - w.z), d - s.x + s.y - s.z, 2.0 * (p.y + w.x)),
                 vec3(2.0 * (p.z + w.y), 2.0 * (p.y - w.x), d - s.x - s.y + s.z));
+}
+
+/* ---- rectangles around what is seen of a splat ---------------------------------------------- */
+
+/* How far what is seen of the unit disc reaches along a direction, against it, and to both sides
+ * across: */
+const vec4 WHOLE_DISC = vec4(1.0), NOTHING = vec4(-1.0);
+
+/* Cuts away what a line (a, b, c) does not keep, which is where a u + b v + c < 0. What is left
+ * reaches as far as the circle, or as the end of the chord. Lines have a thousandth of the radius of
+ * room. */
+vec4 cut_disc(vec4 reach, vec2 aside, vec3 line) {
+    float size = length(line.xy);
+    if (line.z >= size) return reach;
+    if (line.z < -size) return NOTHING;
+    float offset = line.z / size + 1e-3, half_chord = sqrt(max(1.0 - offset * offset, 0.0));
+    vec2 to = vec2(dot(line.xy, aside), aside.x * line.y - aside.y * line.x) / size;
+    vec4 towards = vec4(to.x, -to.x, to.y, -to.y);
+    vec4 chord = half_chord * abs(towards.zzxx) - offset * towards;
+    return min(reach, mix(chord, vec4(1.0), greaterThanEqual(towards, vec4(-offset))));
+}
+
+/* Returns whether lines that exclude each other have left nothing. */
+bool is_nothing(vec4 reach) {
+    return min(reach.x + reach.y, reach.z + reach.w) < 0.0;
+}
+
+/* Returns the straight line that keeps what a bent one does of the disc, and more. With (a, b) of length
+ * 1 a point s beyond the centre towards (a, b) is kept where s + c + kappa across^2 / 2 >= 0, and
+ * across^2 <= 1 - s^2; at the least s both are equal. */
+vec3 straightened(vec4 line) {
+#if BENDS
+    float size = length(line.xy), c = line.z / size, kappa = max(line.w, 0.0) * size;
+    float square = 1.0 + kappa * (2.0 * c + kappa);
+    line.z = size * (square < 0.0 ? -2.0 : (2.0 * c + kappa) / (1.0 + sqrt(square)));
+#endif
+    return line.xyz;
+}
+
+/* Returns by how much the half axes of a rectangle have to grow, as parts of themselves, so that
+ * its sides move outwards by a 128th of a pixel: rasterisers round corners to a 256th. Its centre
+ * and half axes are in clip space, without z. */
+vec2 room_of(vec3 center, vec3 across, vec3 along) {
+    vec2 ndc = center.xy / center.z;
+    vec2 p = u_half_viewport.xy * (across.xy - ndc * across.z) / center.z;
+    vec2 q = u_half_viewport.xy * (along.xy - ndc * along.z) / center.z;
+    float area = max(abs(p.x * q.y - p.y * q.x), 1e-12);
+    return min(vec2(length(q), length(p)) / (128.0 * area), 100.0);
 }
 
 #if FINISH

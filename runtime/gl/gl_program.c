@@ -135,6 +135,8 @@ static void reduce_lines(psplat_program_key *key) {
     if (key->part == PSPLAT_PART_ALL && key->seam_count == key->clip_count &&
         !psplat_program_has_seams(key))
         key->clip_count = key->seam_count = 0;
+    if (key->options & PSPLAT_OPTION_CURVED || key->clip_count == key->seam_count)
+        key->is_boxed = 0;
 }
 
 psplat_program_key psplat_program_key_reduce(psplat_program_key key) {
@@ -158,8 +160,8 @@ psplat_program_key psplat_program_key_reduce(psplat_program_key key) {
 static int is_same_key(const psplat_program_key *a, const psplat_program_key *b) {
     return a->options == b->options && a->is_resolve == b->is_resolve && a->pass == b->pass &&
            a->clip_count == b->clip_count && a->seam_count == b->seam_count &&
-           a->is_faded == b->is_faded && a->part == b->part && a->shading == b->shading &&
-           a->light_count == b->light_count && a->host == b->host;
+           a->is_faded == b->is_faded && a->part == b->part && a->is_boxed == b->is_boxed &&
+           a->shading == b->shading && a->light_count == b->light_count && a->host == b->host;
 }
 
 /* ---- building ---------------------------------------------------------------------------- */
@@ -263,16 +265,17 @@ static void write_defines(const psplat_gl *gl, const psplat_program_key *key, ch
     int clip_count = key->clip_count - key->seam_count + seam_count;
     if (key->part == PSPLAT_PART_UNCUT) clip_count = 0;
     /* Weights must stay above the least positive number that the targets can hold. */
-    int used = snprintf(
-        out, size,
-        "#define PASS %d\n#define CLIP_COUNT %d\n#define CLIP_TYPE %s\n"
-        "#define PART %d\n#define LINE_COUNT %d\n#define SEAM_COUNT %d\n"
-        "#define LINE_TYPE %s\n#define LIGHT_COUNT %d\n#define WEIGHT_FLOOR %s\n"
-        "#define HALF_TARGETS %d\n#define TEXTURED %d\n#define FADE %d\n#define INSTANCED\n",
-        key->pass, clip_count, clip_types[clip_count], key->part, key->clip_count, seam_count,
-        key->options & PSPLAT_OPTION_BENDS ? "vec4" : "vec3", key->light_count,
-        gl->half_targets ? "1e-3" : "1e-30", gl->half_targets,
-        !!(key->options & PSPLAT_OPTIONS_TEXTURED), key->is_faded);
+    int used =
+        snprintf(out, size,
+                 "#define PASS %d\n#define CLIP_COUNT %d\n#define CLIP_TYPE %s\n"
+                 "#define PART %d\n#define LINE_COUNT %d\n#define SEAM_COUNT %d\n"
+                 "#define LINE_TYPE %s\n#define LIGHT_COUNT %d\n#define WEIGHT_FLOOR %s\n"
+                 "#define HALF_TARGETS %d\n#define TEXTURED %d\n#define FADE %d\n#define BOX %d\n"
+                 "#define INSTANCED\n",
+                 key->pass, clip_count, clip_types[clip_count], key->part, key->clip_count,
+                 seam_count, key->options & PSPLAT_OPTION_BENDS ? "vec4" : "vec3", key->light_count,
+                 gl->half_targets ? "1e-3" : "1e-30", gl->half_targets,
+                 !!(key->options & PSPLAT_OPTIONS_TEXTURED), key->is_faded, key->is_boxed);
     for (size_t i = 0; i < sizeof options / sizeof *options; ++i)
         used += snprintf(out + used, size - (size_t)used, "#define %s %d\n", options[i].name,
                          !!(key->options & options[i].option));

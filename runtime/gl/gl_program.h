@@ -75,6 +75,7 @@ typedef struct psplat_program_key {
     int pass;         /* PSPLAT_PASS_VISIBILITY ... */
     int is_faded;     /* 1: weights are multiplied by a number of the item's; macro FADE */
     int part;         /* PSPLAT_PART_ALL ...: which splats of a curved batch are drawn */
+    int is_boxed;     /* 1: flat splats are rectangles around what lines leave; macro BOX */
     int clip_count;   /* 0 ... PSPLAT_MAX_CLIP_LINES */
     int seam_count;   /* 0 ... clip_count: the last so many of these are seams */
     int shading;      /* PSPLAT_SHADING_LIT ... */

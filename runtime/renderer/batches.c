@@ -190,7 +190,9 @@ static int find_runs(psplat_frame *f, const psplat_camera *camera, psplat_placed
         if (!psplat_chunk_is_visible(chunk, chunk_view)) continue;
         GLsizei end = count - at < PSPLAT_CHUNK_SPLATS ? count : at + PSPLAT_CHUNK_SPLATS;
         mark_chunk(f, camera, batch, at, end, placement->clip);
-        const psplat_run run = {at, end, is_between_sides(batch, at, end, chunk_view)};
+        /* Vertex shaders of flat splats drop next to none, so that it does not matter there. */
+        int is_between = placed->is_curved && is_between_sides(batch, at, end, chunk_view);
+        const psplat_run run = {at, end, is_between};
         if (!add_chunk(f->renderer, placed, &run)) return 0;
     }
     return 1;
@@ -207,8 +209,8 @@ static void set_instance(psplat_instance *instance, const psplat_placement *plac
     instance->normal[3] = placement->epsilon;
     instance->normal[7] = placement->unstretch;
     instance->normal[11] = 1.0f - item->fade;
-    instance->first[0] = instance->first[2] = 0;
-    instance->first[1] = (GLint)(first_index & 0x7fffffffu);
+    instance->first[0] = 0;
+    instance->first[1] = (GLint)(first_index & ~PSPLAT_CUT_BY_SIDE);
 }
 
 /* Adds a batch to what is drawn, unless none of it can be seen. Returns 0 where memory runs out. */
@@ -220,6 +222,7 @@ static int add_placed(psplat_frame *f, const psplat_camera *camera, const psplat
     psplat_placed *placed = psplat_list_add(list, &renderer->allocator, sizeof *placed);
     if (!placed) return 0;
     placed->batch = batch;
+    placed->is_curved = shows_curvature(batch, camera, placement);
     if (!find_runs(f, camera, placed, placement)) return 0;
     if (!placed->run_count) {
         --list->count;
@@ -227,7 +230,6 @@ static int add_placed(psplat_frame *f, const psplat_camera *camera, const psplat
     }
     placed->is_culled = placement->chunk_view.is_culled;
     placed->is_mirrored = placement->is_mirrored;
-    placed->is_curved = shows_curvature(batch, camera, placement);
     placed->is_faded = psplat_item_is_faded(item);
     placed->options = options_of(batch, placement, placed->is_culled, placed->is_curved);
     placed->key = batch->number << 5 | (unsigned)placed->is_faded << 4 |
@@ -336,7 +338,7 @@ static psplat_result draw_calls(psplat_frame *f, const psplat_camera *camera,
     psplat_instances *in = &f->renderer->instances;
     const psplat_gl *gl = &f->renderer->gl;
     const psplat_placed *placed = (const psplat_placed *)in->placed.items + calls->placed;
-    GLsizei vertices = placed->is_curved ? 6 : 3; /* of a splat */
+    GLsizei vertices = placed->is_curved || key.is_boxed ? 6 : 3; /* of a splat */
     psplat_result result = use_batch(f, camera, placed, key);
     for (size_t i = 0; i < count && result == PSPLAT_OK; ++i) {
         const psplat_call *call = &calls[i];
@@ -348,17 +350,28 @@ static psplat_result draw_calls(psplat_frame *f, const psplat_camera *camera,
     return result;
 }
 
-/* Where a splat has so many pixels of the frame's extent, fragments cost more than vertices. */
-static const double many_pixels = 600;
-
-static int has_many_pixels(const psplat_frame *f) {
+/* Returns how many pixels of the frame's extent there are for each splat. */
+static double pixels_a_splat(const psplat_frame *f) {
     const psplat_instances *in = &f->renderer->instances;
     const psplat_call *calls = in->calls.items;
     const psplat_screen_extent *extent = &f->extent;
-    double pixels = (double)(extent->x1 - extent->x0) * (extent->y1 - extent->y0), splats = 0;
+    double splats = 0;
     for (size_t i = 0; i < in->calls.count; ++i)
         splats += (double)calls[i].count * calls[i].instance_count;
-    return pixels > many_pixels * splats;
+    return (double)(extent->x1 - extent->x0) * (extent->y1 - extent->y0) / splats;
+}
+
+/* How many of these pixels make parts and boxes pay: they save fragments at the cost of vertices.
+ * In software boxes do from 10 to 20 on for machined parts, of which lines leave a tenth. */
+static const double pixels_for_parts = 600, pixels_for_boxes = 20;
+
+/* Returns 1 where flat splats are drawn as rectangles around what clip lines leave of them, not as
+ * triangles around all: where lines cut half of the batch or more. */
+static int is_boxed(const psplat_placed *placed, double pixels) {
+    const psplat_model_batch *batch = placed->batch;
+    return !placed->is_curved && batch->clip_count > batch->seam_lines &&
+           2 * (size_t)batch->uncut_count <= (size_t)batch->splat_count &&
+           pixels > pixels_for_boxes;
 }
 
 /* Returns the part of a batch to draw first. Where a quarter of a curved batch or more is not cut
@@ -367,7 +380,7 @@ static int has_many_pixels(const psplat_frame *f) {
  * the nearest splat wins, splats keep their order and are drawn by one program. So are those that
  * seams alone cut, where these do not matter. */
 static int first_part(const psplat_frame *f, const psplat_placed *placed, psplat_program_key key,
-                      int is_large) {
+                      double pixels) {
     const psplat_model_batch *batch = placed->batch;
     if (!placed->is_curved || !batch->uncut_count ||
         !(f->blends || key.pass == PSPLAT_PASS_VISIBILITY))
@@ -376,7 +389,7 @@ static int first_part(const psplat_frame *f, const psplat_placed *placed, psplat
     if (batch->seam_lines == batch->clip_count && !psplat_program_has_seams(&key))
         return PSPLAT_PART_ALL;
     int is_enough = 4 * (size_t)batch->uncut_count >= (size_t)batch->splat_count;
-    return is_enough && is_large ? PSPLAT_PART_UNCUT : PSPLAT_PART_ALL;
+    return is_enough && pixels > pixels_for_parts ? PSPLAT_PART_UNCUT : PSPLAT_PART_ALL;
 }
 
 psplat_result psplat_frame_draw_placed(psplat_frame *f, const psplat_camera *camera,
@@ -384,14 +397,15 @@ psplat_result psplat_frame_draw_placed(psplat_frame *f, const psplat_camera *cam
     const psplat_instances *in = &f->renderer->instances;
     const psplat_placed *all = in->placed.items;
     const psplat_call *calls = in->calls.items;
-    int is_large = has_many_pixels(f);
+    double pixels = pixels_a_splat(f);
     psplat_result result = PSPLAT_OK;
     for (size_t i = 0, end; i < in->calls.count && result == PSPLAT_OK; i = end) {
         const psplat_placed *placed = &all[calls[i].placed];
         for (end = i + 1; end < in->calls.count; ++end)
             if (all[calls[end].placed].key != placed->key) break;
+        key.is_boxed = is_boxed(placed, pixels);
         int has_cut = placed->batch->uncut_count < placed->batch->splat_count;
-        key.part = first_part(f, placed, key, is_large);
+        key.part = first_part(f, placed, key, pixels);
         result = draw_calls(f, camera, key, calls + i, end - i);
         if (result != PSPLAT_OK || key.part == PSPLAT_PART_ALL || !has_cut) continue;
         key.part = PSPLAT_PART_CUT;

@@ -115,7 +115,8 @@ static int add_instance(maker *m, const psplat_placed *placed, const psplat_run 
     if (!made) return 0;
     *made = placed->instance;
     made->first[0] = first;
-    made->first[2] = run->is_between_sides;
+    if (!run->is_between_sides)
+        made->first[1] = (GLint)((GLuint)made->first[1] | PSPLAT_CUT_BY_SIDE);
     return 1;
 }
 
@@ -253,7 +254,7 @@ void psplat_instances_use(psplat_instances *in, const psplat_gl *gl, size_t inst
     for (GLuint i = 0; i < PSPLAT_ATTRIBUTE_FIRST; ++i)
         gl->VertexAttribPointer(i, 4, GL_FLOAT, GL_FALSE, stride,
                                 (const void *)(uintptr_t)(offset + i * 4 * sizeof(float)));
-    gl->VertexAttribIPointer(PSPLAT_ATTRIBUTE_FIRST, 3, GL_INT, stride,
+    gl->VertexAttribIPointer(PSPLAT_ATTRIBUTE_FIRST, 2, GL_INT, stride,
                              (const void *)(uintptr_t)(offset + offsetof(psplat_instance, first)));
 }
 

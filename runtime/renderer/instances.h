@@ -10,6 +10,9 @@
 
 #include <phongsplat/phongsplat.h>
 
+/* A bit of psplat_instance.first[1]: a side of the view may cut the run. */
+#define PSPLAT_CUT_BY_SIDE 0x80000000u
+
 /* A run of consecutive splats of a batch as an item places it: the vertex attributes of layout.h.
  */
 typedef struct psplat_instance {
@@ -17,8 +20,8 @@ typedef struct psplat_instance {
     float
         normal[12]; /* three rows of 3, followed by: epsilon; unstretch (psplat_placement); 1 - fade
                      */
-    GLint first[3]; /* the run's first splat; that of the batch, counted over all batches; the run's
-                       is_between_sides */
+    GLint first[2]; /* the run's first splat; that of the batch, counted over all batches, with
+                       PSPLAT_CUT_BY_SIDE */
 } psplat_instance;
 
 /* Consecutive splats of a batch that may be visible: first ... end - 1. */

@@ -112,6 +112,7 @@ function definesOf(batch, material, view) {
     d.OWNED = !!view.isOwned;
     d.FADE = false;
     d.PART = 0;
+    d.BOX = false;
     return d;
 }
 

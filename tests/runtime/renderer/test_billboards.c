@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  *
- * test_billboards.c - tests the rectangles that curved splats are drawn as: each covers all pixels
- * of its splat, and not many more. A renderer whose loader gives fragments of splats another source
- * draws the rectangles themselves. Also that instances know whether they lie between the sides of
- * the view.
+ * test_billboards.c - tests the rectangles that curved splats and flat ones with lines are drawn
+ * as: each covers all pixels of its splat, and not many more. A renderer whose loader gives
+ * fragments of splats another source draws the rectangles themselves. Also that instances know
+ * whether they lie between the sides of the view.
  */
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,8 +22,8 @@
 /* ---- a renderer that is watched ---------------------------------------------------------- */
 
 /* An instance as renderer/instances.h has it, whose header does not go together with the host's of
- * GL: four-byte numbers, of which the last says whether it lies between the sides. */
-enum { MAX_INSTANCES = 8, NUMBERS = 27 };
+ * GL: four-byte numbers, of which the last has PSPLAT_CUT_BY_SIDE as its sign. */
+enum { MAX_INSTANCES = 8, NUMBERS = 26 };
 typedef struct instance {
     int32_t numbers[NUMBERS];
 } instance;
@@ -37,7 +37,7 @@ static struct {
     size_t count;
 } watched;
 
-/* Writes weights of 1 wherever the primitive is; visibility needs no outputs. */
+/* Writes weights of 1 wherever the primitive is. */
 static const char *const everywhere[] = {
     "\nlayout(location = 0) out vec4 o_sum;\n"
     "layout(location = 1) out float o_depth;\n"
@@ -47,7 +47,7 @@ static void APIENTRY replace_source(GLuint shader, GLsizei count, const GLchar *
                                     const GLint *lengths) {
     const GLchar *sources[2] = {strings[0], everywhere[0]}; /* the version comes first */
     for (GLsizei i = 0; i < count; ++i)
-        if (strstr(strings[i], "find_hit(")) {
+        if (strstr(strings[i], "find_hit(") || strstr(strings[i], "discard_outside(")) {
             watched.source(shader, 2, sources, NULL);
             return;
         }
@@ -166,6 +166,42 @@ static void test_rectangles(void **state) {
         }
 }
 
+/* Flat splats that lines cut: a strip, two corners, a square, a half and what a bent line leaves.
+ * The bounds are 5 % above what was measured, as strips of some ten pixels have rough borders; the
+ * triangle around the whole splat has 4 to 20 times the pixels. */
+static void test_boxes(void **state) {
+    canvas *c = *state;
+    static const struct {
+        uint32_t count;
+        float lines[4][3], kappa;
+        double bound;
+    } cases[] = {
+        {2, {{0.6f, 0.8f, 0.1f}, {-0.6f, -0.8f, 0.1f}}, 0, 1.06},
+        {2, {{1, 0, -0.3f}, {0, 1, -0.3f}}, 0, 1.59},
+        {2, {{1, 0, -0.3f}, {0.5f, 0.866f, -0.3f}}, 0, 1.73},
+        {4,
+         {{0.8f, 0.6f, 0.3f}, {-0.8f, -0.6f, 0.3f}, {-0.6f, 0.8f, 0.3f}, {0.6f, -0.8f, 0.3f}},
+         0,
+         1.06},
+        {1, {{0, -1, 0}}, 0, 1.35},
+        {1, {{0, -1, -0.5f}}, 1, 2.34},
+    };
+    const float none[3] = {0, 0, 1};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i)
+        for (int is_parallel = 0; is_parallel < 2; ++is_parallel) {
+            scene s = dome(0, none, 0);
+            psplat_view view = view_at(45, is_parallel);
+            s.splats[0].clip_count = cases[i].count;
+            memcpy(s.splats[0].clip, cases[i].lines, sizeof cases[i].lines);
+            s.splats[0].bend[0] = cases[i].kappa;
+            double e = excess(c, &s, &view);
+            print_message("box %zu, %s: %.3f (bound %.2f)\n", i,
+                          is_parallel ? "parallel" : "perspective", e, cases[i].bound);
+            assert_true(e <= cases[i].bound);
+            scene_free(&s);
+        }
+}
+
 /* Nothing is drawn of what lines that exclude each other leave, nor of a dome from below. */
 static void test_nothing(void **state) {
     canvas *c = *state;
@@ -185,38 +221,45 @@ static void test_nothing(void **state) {
     }
     draw(c, watch_sources, &s, &view);
     assert_int_equal(canvas_covered(c), 0);
+    s.splats[0].gradient[0] = s.splats[0].gradient[1] = 0; /* flat */
+    scene_curve(&s);
+    draw(c, watch_sources, &s, &view);
+    assert_int_equal(canvas_covered(c), 0);
     scene_free(&s);
 }
 
 /* ---- instances ----------------------------------------------------------------------------- */
 
-/* Returns two chunks of discs, the second one `aside` the first. */
-static scene two_chunks(float aside) {
+/* Returns two chunks of domes whose slope at the rim is `bend`, the second one `aside` the first.
+ */
+static scene two_chunks(float aside, float bend) {
     scene s = scene_blank(512);
     for (size_t i = 0; i < s.count; ++i) {
         s.splats[i].radius[0] = s.splats[i].radius[1] = 0.25f;
+        s.splats[i].gradient[0] = s.splats[i].gradient[1] = bend;
         s.splats[i].center[0] = i < 256 ? 0 : aside;
         s.splats[i].center[1] = 0.001f * (float)(i % 256);
     }
+    scene_curve(&s);
     return s;
 }
 
-/* The view is 1.3 wide to each side; discs in its middle are between its sides, those that one cuts
- * are not. Runs of one kind are one instance. */
+/* The view is 1.3 wide to each side; domes in its middle are between its sides, those that one cuts
+ * are not. Runs of one kind are one instance, and flat splats are of one kind. */
 static void test_between_sides(void **state) {
     canvas *c = *state;
     const psplat_view view = view_at(0, 1);
     static const struct {
-        float aside;
+        float aside, bend;
         size_t count;
-        int32_t last[2];
-    } cases[] = {{0.5f, 1, {1, 0}}, {1.2f, 2, {1, 0}}};
+        int are_cut[2];
+    } cases[] = {{0.5f, 0.5f, 1, {0, 0}}, {1.2f, 0.5f, 2, {0, 1}}, {1.2f, 0, 1, {1, 0}}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; ++i) {
-        scene s = two_chunks(cases[i].aside);
+        scene s = two_chunks(cases[i].aside, cases[i].bend);
         draw(c, watch_buffers, &s, &view);
         assert_int_equal(watched.count, cases[i].count);
         for (size_t k = 0; k < watched.count; ++k)
-            assert_int_equal(watched.instances[k].numbers[NUMBERS - 1], cases[i].last[k]);
+            assert_int_equal(watched.instances[k].numbers[NUMBERS - 1] < 0, cases[i].are_cut[k]);
         scene_free(&s);
     }
 }
@@ -239,6 +282,7 @@ static int close_canvas(void **state) {
 int test_billboards_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_rectangles),
+        cmocka_unit_test(test_boxes),
         cmocka_unit_test(test_nothing),
         cmocka_unit_test(test_between_sides),
     };
