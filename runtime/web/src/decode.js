@@ -459,6 +459,7 @@ function describe(of, set, count) {
         count,
         clipLines: set.clipLines,
         seamLines: set.seamLines,
+        cutCount: 0, // splats that a line cuts which is no seam
         isCurved: set.curved,
         hasColor: !!of.COLOR_0,
         hasGamma,
@@ -507,7 +508,9 @@ function decodeAll(of, set, batch) {
         const sagitta = enlarge(s, set.curved, [batch.bounds]);
         batch.sagitta = Math.max(batch.sagitta, sagitta);
         for (let k = 0; k < set.clipLines; ++k) batch.clips.image.data.set(readLine(of[`CLIP_${k}`], i, set, lines[k]), 4 * (set.clipLines * i + k));
-        enlargeTight(s, set.curved, lines.slice(0, set.clipLines - set.seamLines), chunk);
+        const cutting = lines.slice(0, set.clipLines - set.seamLines);
+        batch.cutCount += cutting.some(([a, b, c, kappa]) => a !== 1 || b !== 0 || c !== 1 || kappa !== 0);
+        enlargeTight(s, set.curved, cutting, chunk);
         packRest(of, set, i, batch, v);
         if (i % CHUNK === CHUNK - 1 || i === batch.count - 1) {
             chunk.expandByScalar(batch.wall);

@@ -67,7 +67,7 @@ export function differences(drawn) {
     return differ;
 }
 
-/** @returns the macros of a batch's pass. view: pass, isCurved, isNear, isTwoSided, counts, isHalf,
+/** @returns the macros of a batch's pass. view: pass, isCurved, isBoxed, isNear, isTwoSided, counts, isHalf,
  *  differ (of differences()), packs (the depth of shadow maps as colours: '', 'depth', 'distance'),
  *  isReversed, isOwned (the visibility pass writes the object's number). */
 function definesOf(batch, material, view) {
@@ -112,7 +112,7 @@ function definesOf(batch, material, view) {
     d.OWNED = !!view.isOwned;
     d.FADE = false;
     d.PART = 0;
-    d.BOX = false;
+    d.BOX = isFlat && lines > seams && !!view.isBoxed;
     return d;
 }
 
@@ -233,7 +233,7 @@ export class SplatMaterial extends RawShaderMaterial {
 /** @returns a number that is another one wherever definesOf() is, of the same batch. */
 function keyOf(batch, material, view) {
     const { differ } = view, bits = [
-        view.pass & 1, view.pass & 2, view.isCurved, view.isNear, view.isTwoSided, view.counts, view.isHalf, differ.colors, differ.materials, differ.occlusion,
+        view.pass & 1, view.pass & 2, view.isCurved, view.isBoxed, view.isNear, view.isTwoSided, view.counts, view.isHalf, differ.colors, differ.materials, differ.occlusion,
         view.packs === 'depth', view.packs === 'distance', view.isReversed, view.isOwned, batch.texcoords && material.alphaTest > 0,
     ];
     let key = 1;

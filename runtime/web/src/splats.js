@@ -18,6 +18,8 @@ import { disposeTargets } from './targets.js';
 // How far a patch may be from its tangent plane where that is drawn in its place: in pixels, and as
 // a part of the depth tolerance (batches.c).
 const MAX_FLAT_PIXELS = 0.125, MAX_FLAT_TOLERANCE = 0.25;
+// How many pixels a splat make rectangles pay, in Chromium's software.
+const PIXELS_FOR_BOXES = 200;
 
 /** Releases before this one keep shadow maps as colours, not as depths. */
 const NATIVE_SHADOWS = 182;
@@ -58,6 +60,16 @@ const hiddenDepth = hiddenMaterial(), hiddenDistance = hiddenMaterial();
 function showsCurvature(batch, placement, camera) {
     return batch.isCurved && batch.sagitta > MAX_FLAT_TOLERANCE * batch.depthTolerance &&
         placement.pixels(batch.bounds, batch.sagitta, camera.width, camera.height) > MAX_FLAT_PIXELS;
+}
+
+/** @returns whether flat splats had better be drawn as rectangles around what clip lines leave of them than as triangles
+ *  around all: where lines cut half of them or more and there are many pixels for each. That saves fragments at the cost
+ *  of vertices. A box that is d across covers some d * d / 6 pixels of the square of what pixels() finds. */
+function paysBoxes(batch, placement, camera) {
+    if (2 * batch.cutCount < batch.count || batch.clipLines === batch.seamLines) return false;
+    const across = batch.bounds.min.distanceTo(batch.bounds.max), part = 0.01;
+    const pixels = placement.pixels(batch.bounds, part * across, camera.width, camera.height) / part;
+    return pixels * pixels / 6 > PIXELS_FOR_BOXES * batch.count;
 }
 
 export class PhongSplats extends Mesh {
@@ -125,8 +137,9 @@ export class PhongSplats extends Mesh {
     /** @returns the material of a batch's pass. */
     findPass(batch, k, camera, view) {
         const placement = this.placements[k], isCurved = showsCurvature(batch, placement, camera);
-        const pass = findMaterial(batch, this.materialOf(batch), { ...view, isCurved, isNear: placement.isNear, isTwoSided: view.isTwoSided ?? this.isTwoSided(batch) });
-        pass.vertices = isCurved ? 6 : 3;
+        const isBoxed = !isCurved && paysBoxes(batch, placement, camera);
+        const pass = findMaterial(batch, this.materialOf(batch), { ...view, isCurved, isBoxed, isNear: placement.isNear, isTwoSided: view.isTwoSided ?? this.isTwoSided(batch) });
+        pass.vertices = isCurved || isBoxed ? 6 : 3;
         return pass;
     }
 

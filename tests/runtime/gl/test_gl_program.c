@@ -28,7 +28,8 @@ static int same(const psplat_program_key *a, const psplat_program_key *b) {
     return a->options == b->options && a->is_resolve == b->is_resolve && a->pass == b->pass &&
            a->clip_count == b->clip_count && a->seam_count == b->seam_count &&
            a->shading == b->shading && a->light_count == b->light_count &&
-           a->is_faded == b->is_faded;
+           a->is_faded == b->is_faded && a->seam_count == b->seam_count &&
+           a->is_boxed == b->is_boxed;
 }
 
 static int by_value(const void *a, const void *b) {
@@ -157,13 +158,35 @@ static void add_triples(key_list *list, psplat_program_key key) {
     list->count += part.count;
 }
 
-/* Returns the keys of all passes and shadings, without lights and with as many as there may be. Of
- * programs that shade splats one by one, those with clip lines are made only without lights. */
+/* Adds programs of flat splats that are drawn as boxes. Of their options these are the ones that
+ * the vertex shader goes by. */
+static void add_boxed(key_list *list, psplat_program_key key) {
+    static const unsigned options[] = {
+        0,
+        PSPLAT_OPTION_FILTER | PSPLAT_OPTION_FIELD,
+        PSPLAT_OPTION_FILTER | PSPLAT_OPTION_BENDS,
+        PSPLAT_OPTION_BENDS | PSPLAT_OPTION_TANGENT,
+        PSPLAT_OPTION_NEAR | PSPLAT_OPTION_TWO_SIDED | PSPLAT_OPTION_FIELD | PSPLAT_OPTION_GAMMA,
+        PSPLAT_OPTION_FILTER | PSPLAT_OPTION_SHAPE | PSPLAT_OPTION_BASE_MAP | PSPLAT_OPTION_COLORS};
+    key.is_boxed = 1;
+    for (size_t i = 0; i < sizeof options / sizeof *options; ++i)
+        for (key.seam_count = 0; key.seam_count < 2; ++key.seam_count) {
+            key.options = options[i];
+            add(list, psplat_program_key_reduce(key));
+        }
+}
+
+/* Returns the keys of all passes and shadings, without lights and with as many as there may be; of
+ * boxes those with the least and the most lines. Of programs that shade splats one by one, those
+ * with clip lines are made only without lights. */
 static key_list some_keys(int clip_step) {
     key_list list = list_create();
     for (int pass = PSPLAT_PASS_VISIBILITY; pass <= PSPLAT_PASS_PARAMETERS; ++pass)
         for (int clip = 0; clip <= PSPLAT_MAX_CLIP_LINES; clip += clip_step)
             add_triples(&list, (psplat_program_key){.pass = pass, .clip_count = clip});
+    for (int pass = PSPLAT_PASS_VISIBILITY; pass <= PSPLAT_PASS_PARAMETERS; ++pass)
+        for (int clip = 1; clip <= PSPLAT_MAX_CLIP_LINES; clip += PSPLAT_MAX_CLIP_LINES - 1)
+            add_boxed(&list, (psplat_program_key){.pass = pass, .clip_count = clip});
     for (int lights = 0; lights <= PSPLAT_MAX_LIGHTS; lights += PSPLAT_MAX_LIGHTS) {
         psplat_program_key key = {.pass = PSPLAT_PASS_RADIANCE, .light_count = lights};
         add_triples(&list, key);
@@ -217,6 +240,19 @@ static void test_no_use(void **state) {
     assert_true(psplat_program_key_reduce(faded).is_faded);
     faded.pass = PSPLAT_PASS_VISIBILITY;
     assert_false(psplat_program_key_reduce(faded).is_faded);
+    /* Only flat splats that a line cuts have boxes. */
+    psplat_program_key boxed = {.pass = PSPLAT_PASS_NORMALS, .clip_count = 2, .is_boxed = 1};
+    assert_true(psplat_program_key_reduce(boxed).is_boxed);
+    boxed.seam_count = 1;
+    assert_true(psplat_program_key_reduce(boxed).is_boxed);
+    boxed.seam_count = 2;
+    assert_false(psplat_program_key_reduce(boxed).is_boxed);
+    boxed.seam_count = 0;
+    boxed.options = PSPLAT_OPTION_CURVED;
+    assert_false(psplat_program_key_reduce(boxed).is_boxed);
+    boxed.options = 0;
+    boxed.is_resolve = 1;
+    assert_false(psplat_program_key_reduce(boxed).is_boxed);
     /* Colours that are written nowhere are a texel to skip. */
     psplat_program_key plain = {.pass = PSPLAT_PASS_NORMALS,
                                 .options = PSPLAT_OPTION_WIDE | PSPLAT_OPTION_COLOR};
