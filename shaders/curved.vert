@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  *
  * curved.vert - draws a curved splat as a billboard: a rectangle in a plane through its centre that
- * hides what is seen of its patch, and of the wall under its rim, from the eye. The fragment shader finds where the view
- * ray meets the patch (compare Sigg, Weyrich, Botsch, Gross: GPU-Based Ray-Casting of Quadratic
+ * hides what is seen of its patch, and of the wall under its rim, from the eye. The fragment shader
+ * finds where the view ray meets the patch (compare Sigg, Weyrich, Botsch, Gross: GPU-Based Ray-Casting of Quadratic
  * Surfaces, 2006, whose primitives are bounded by screen rectangles instead).
  *
  * Everything happens in the splat's local coordinates (u, v, h / r_u), in which its ellipse is the

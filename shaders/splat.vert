@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT
  *
  * splat.vert - draws a flat splat as one triangle in its plane around its ellipse, whose corners are
- * constants in (u, v), or as a rectangle around what clip lines leave of it. The normal field and the values of straight clip lines are linear in (u, v),
- * so they are exact at the corners, and the hardware interpolates them with perspective; of bent
- * lines the fragment shader gets two linear values. Curved splats whose curvature does not show are
+ * constants in (u, v), or as a rectangle around what clip lines leave of it. The normal field and the
+ * values of straight clip lines are linear in (u, v), so they are exact at the corners, and the
+ * hardware interpolates them with perspective; of bent lines the fragment shader gets two linear
+ * values. Curved splats whose curvature does not show are
  * drawn by this shader too, as the ellipses in their tangent planes (spec 5.1).
  *
  * gl_program.c defines PASS, BOX, CLIP_COUNT, CLIP_TYPE, LINE_COUNT, SEAM_COUNT, BENDS, WIDE, SHAPE, COLOR, FINISH, FIELD, GAMMA,
@@ -79,14 +80,14 @@ Box box_of(ivec2 place, bool is_whole) {
     for (int i = 0; i < CLIP_COUNT - SEAM_COUNT; ++i)
         lines[i] = straightened(texelFetch(u_clips, ivec2(place.x * LINE_COUNT + i, place.y), 0));
     for (int k = 0; k < CLIP_COUNT - SEAM_COUNT && !is_whole; ++k) {
-        vec2 along = normalize(lines[k].xy);
         vec4 reach = WHOLE_DISC;
-        for (int i = 0; i < CLIP_COUNT - SEAM_COUNT; ++i) reach = cut_disc(reach, along, lines[i]);
+        for (int i = 0; i < CLIP_COUNT - SEAM_COUNT; ++i)
+            reach = cut_disc(reach, lines[k].xy, lines[i]);
         box.is_nothing = box.is_nothing || is_nothing(reach);
         if ((reach.x + reach.y) * (reach.z + reach.w) >=
             (least.x + least.y) * (least.z + least.w)) continue;
         least = reach;
-        aside = along;
+        aside = lines[k].xy;
     }
     vec2 across = vec2(-aside.y, aside.x);
     box.middle = 0.5 * ((least.x - least.y) * aside + (least.z - least.w) * across);
@@ -95,12 +96,14 @@ Box box_of(ivec2 place, bool is_whole) {
     return box;
 }
 
-/* Returns a corner of a box, which has room for rounding. center and the columns of axes are the
- * splat's in clip space, without z. */
+/* Returns a corner of a box, which has room for rounding: a 64th of a pixel at its middle, since
+ * perspective may halve it, but no more than a half axis, or what is seen along its plane would become
+ * far too long. center and the columns of axes are the splat's in clip space, without z. */
 vec2 corner_of(Box box, int vertex, vec3 center, mat2x3 axes) {
     int corner = vertex < 3 ? vertex : 6 - vertex; /* 0 1 2, 3 2 1 */
     vec2 side = vec2(2 * (corner & 1) - 1, (corner & 2) - 1);
-    side *= 1.0 + room_of(center + axes * box.middle, axes * box.along, axes * box.across);
+    vec2 room = room_of(center + axes * box.middle, axes * box.along, axes * box.across);
+    side *= 1.0 + min(2.0 * room, 1.0);
     return box.middle + side.x * box.along + side.y * box.across;
 }
 #endif

@@ -6,7 +6,7 @@
  * What depends on the item comes with each instance where INSTANCED is defined, so that one call
  * draws many items, and from uniforms where it is not, as in three.js.
  *
- * gl_program.c defines INSTANCED, WIDE, SHAPE, COLOR, FINISH, FIELD and FADE. texels.glsl comes before
+ * gl_program.c defines INSTANCED, WIDE, SHAPE, BENDS, COLOR, FINISH, FIELD and FADE. texels.glsl comes before
  * this file.
  */
 uniform highp sampler2D u_splats;
@@ -91,7 +91,7 @@ int first_index() {
 
 /* Returns where all corners of a splat go that is not drawn. Mesa's llvmpipe takes all triangles of
  * a call through a slow path where one vertex lies outside of the view, and drops what lies outside
- * as a whole early on it. So they go into the view where no other vertex of the call lies outside. */
+ * as a whole early on it. So they go into the view where next to no other vertex lies outside. */
 vec4 nowhere() {
 #ifdef INSTANCED
     if (a_first.y < 0) return vec4(2.0, 2.0, 2.0, 1.0);
@@ -140,22 +140,27 @@ bool is_nothing(vec4 reach) {
     return min(reach.x + reach.y, reach.z + reach.w) < 0.0;
 }
 
-/* Returns the straight line that keeps what a bent one does of the disc, and more. With (a, b) of length
- * 1 a point s beyond the centre towards (a, b) is kept where s + c + kappa across^2 / 2 >= 0, and
- * across^2 <= 1 - s^2; at the least s both are equal. */
+/* Returns the straight line, with (a, b) of length 1, that keeps what a line does of the disc; of a
+ * bent one it keeps more. A point s beyond the centre towards (a, b) is kept where
+ * s + c + kappa across^2 / 2 >= 0, and across^2 <= 1 - s^2; at the least s both are equal. Lines may
+ * be so short that squares of a and b are 0. */
 vec3 straightened(vec4 line) {
+    float most = max(abs(line.x), abs(line.y));
+    vec2 ab = line.xy / most;
+    float size = length(ab), c = clamp(line.z / most / size, -1e3, 1e3);
 #if BENDS
-    float size = length(line.xy), c = line.z / size, kappa = max(line.w, 0.0) * size;
+    float kappa = clamp(line.w * most * size, 0.0, 1e3);
     float square = 1.0 + kappa * (2.0 * c + kappa);
-    line.z = size * (square < 0.0 ? -2.0 : (2.0 * c + kappa) / (1.0 + sqrt(square)));
+    c = square < -1e-5 ? -2.0 : (2.0 * c + kappa) / (1.0 + sqrt(max(square, 0.0)));
 #endif
-    return line.xyz;
+    return vec3(ab / size, c);
 }
 
 /* Returns by how much the half axes of a rectangle have to grow, as parts of themselves, so that
  * its sides move outwards by a 128th of a pixel: rasterisers round corners to a 256th. Its centre
  * and half axes are in clip space, without z. */
 vec2 room_of(vec3 center, vec3 across, vec3 along) {
+    if (abs(center.z) <= 1e-4 * (abs(across.z) + abs(along.z))) return vec2(0.01);
     vec2 ndc = center.xy / center.z;
     vec2 p = u_half_viewport.xy * (across.xy - ndc * across.z) / center.z;
     vec2 q = u_half_viewport.xy * (along.xy - ndc * along.z) / center.z;

@@ -183,6 +183,8 @@ static int find_runs(psplat_frame *f, const psplat_camera *camera, psplat_placed
     const psplat_model_batch *batch = placed->batch;
     const psplat_chunk_view *chunk_view = &placement->chunk_view;
     GLsizei count = batch->splat_count;
+    /* Whether the vertex shader drops splats: those that are turned away or of another part. */
+    int drops = placed->is_curved && (chunk_view->is_culled || batch->clip_count > 0);
     placed->first_run = f->renderer->instances.runs.count;
     placed->run_count = 0;
     for (GLsizei at = 0; at < count; at += PSPLAT_CHUNK_SPLATS) {
@@ -190,8 +192,7 @@ static int find_runs(psplat_frame *f, const psplat_camera *camera, psplat_placed
         if (!psplat_chunk_is_visible(chunk, chunk_view)) continue;
         GLsizei end = count - at < PSPLAT_CHUNK_SPLATS ? count : at + PSPLAT_CHUNK_SPLATS;
         mark_chunk(f, camera, batch, at, end, placement->clip);
-        /* Vertex shaders of flat splats drop next to none, so that it does not matter there. */
-        int is_between = placed->is_curved && is_between_sides(batch, at, end, chunk_view);
+        int is_between = drops && is_between_sides(batch, at, end, chunk_view);
         const psplat_run run = {at, end, is_between};
         if (!add_chunk(f->renderer, placed, &run)) return 0;
     }
@@ -355,10 +356,10 @@ static double pixels_a_splat(const psplat_frame *f) {
     const psplat_instances *in = &f->renderer->instances;
     const psplat_call *calls = in->calls.items;
     const psplat_screen_extent *extent = &f->extent;
-    double splats = 0;
+    double splats = 0, pixels = (double)(extent->x1 - extent->x0) * (extent->y1 - extent->y0);
     for (size_t i = 0; i < in->calls.count; ++i)
         splats += (double)calls[i].count * calls[i].instance_count;
-    return (double)(extent->x1 - extent->x0) * (extent->y1 - extent->y0) / splats;
+    return splats > 0 ? pixels / splats : 0;
 }
 
 /* How many of these pixels make parts and boxes pay: they save fragments at the cost of vertices.
@@ -366,7 +367,7 @@ static double pixels_a_splat(const psplat_frame *f) {
 static const double pixels_for_parts = 600, pixels_for_boxes = 20;
 
 /* Returns 1 where flat splats are drawn as rectangles around what clip lines leave of them, not as
- * triangles around all: where lines cut half of the batch or more. */
+ * triangles around all: where lines, seams among them, cut half of the batch or more. */
 static int is_boxed(const psplat_placed *placed, double pixels) {
     const psplat_model_batch *batch = placed->batch;
     return !placed->is_curved && batch->clip_count > batch->seam_lines &&

@@ -139,17 +139,24 @@ static int add_call(maker *m, size_t placed, GLsizei first, GLsizei count) {
     return 1;
 }
 
-/* Adds the runs of one placed batch, in their order. */
-static int add_whole(maker *m, size_t index) {
+/* Adds runs of one placed batch in their order, with an instance wherever they become ones that a
+ * side of the view may cut, or cease to be. Leaves out those of a kind: 0 or 1; -1: none. */
+static int add_runs(maker *m, size_t index, int without) {
     const psplat_placed *placed = (const psplat_placed *)m->in->placed.items + index;
-    const psplat_run *runs = (const psplat_run *)m->in->runs.items + placed->first_run;
+    int kind = -1;
     for (size_t i = 0; i < placed->run_count; ++i) {
-        int is_same = i > 0 && runs[i].is_between_sides == runs[i - 1].is_between_sides;
-        if ((!is_same && !add_instance(m, placed, &runs[i], 0)) ||
-            !add_call(m, index, runs[i].first, runs[i].end - runs[i].first))
-            return 0;
+        const psplat_run run = ((const psplat_run *)m->in->runs.items)[placed->first_run + i];
+        if (run.is_between_sides == without) continue;
+        if (run.is_between_sides != kind && !add_instance(m, placed, &run, 0)) return 0;
+        if (!add_call(m, index, run.first, run.end - run.first)) return 0;
+        kind = run.is_between_sides;
     }
     return 1;
+}
+
+/* Adds the runs of one placed batch: where their order is free those of each kind together. */
+static int add_whole(maker *m, size_t index, int keeps_order) {
+    return keeps_order ? add_runs(m, index, -1) : add_runs(m, index, 0) && add_runs(m, index, 1);
 }
 
 /* Adds those pieces of a placed batch that have `chunks` chunks, a power of two, or with 0 the
@@ -192,7 +199,7 @@ static int add_group(maker *m, const size_t *order, size_t count, int keeps_orde
     m->group_calls = m->in->calls.count;
     if (count == 1 || keeps_order) {
         for (size_t i = 0; i < count; ++i)
-            if (!add_whole(m, order[i])) return 0;
+            if (!add_whole(m, order[i], keeps_order)) return 0;
         return 1;
     }
     GLsizei chunks = longest_piece(m, order, count);

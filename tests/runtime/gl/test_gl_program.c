@@ -28,8 +28,7 @@ static int same(const psplat_program_key *a, const psplat_program_key *b) {
     return a->options == b->options && a->is_resolve == b->is_resolve && a->pass == b->pass &&
            a->clip_count == b->clip_count && a->seam_count == b->seam_count &&
            a->shading == b->shading && a->light_count == b->light_count &&
-           a->is_faded == b->is_faded && a->seam_count == b->seam_count &&
-           a->is_boxed == b->is_boxed;
+           a->is_faded == b->is_faded && a->part == b->part && a->is_boxed == b->is_boxed;
 }
 
 static int by_value(const void *a, const void *b) {
