@@ -137,7 +137,6 @@ static double excess(canvas *c, const scene *s, const psplat_view *view) {
         if (splat.image.color[4 * i + 3] > 0 && splat.image.tie[i] > 2e-4)
             assert_true(c->color[4 * i + 3] > 0);
     picture_free(&splat);
-    assert_true(covered > 100);
     return (double)canvas_covered(c) / (double)covered;
 }
 
@@ -161,7 +160,7 @@ static void test_rectangles(void **state) {
         for (int is_parallel = 0; is_parallel < 2; ++is_parallel) {
             scene s = dome(cases[i].bend, cases[i].line, cases[i].kappa);
             psplat_view view = view_at(cases[i].degrees, is_parallel);
-            double e = excess(c, &s, &view);
+            double e = excess(c, &s, &view); /* infinite where there is nothing */
             print_message("case %zu, %s: %.3f (bound %.2f)\n", i,
                           is_parallel ? "parallel" : "perspective", e, cases[i].bound);
             assert_true(e <= cases[i].bound);
@@ -205,21 +204,32 @@ static void test_boxes(void **state) {
         }
 }
 
-/* Walls as high as curved splats have them, which are all that is seen of some of these. Only that
- * nothing is missing counts here. */
+/* Returns a patch of random second derivatives with a wall that is next to as high as walls are:
+ * with a depth tolerance of four sagittas it would be drawn flat. */
+static scene random_patch(uint32_t *seed) {
+    scene s = scene_disc(1);
+    float *h = s.splats[0].gradient;
+    for (int k = 0; k < 3; ++k) h[k] = 2 * scene_random(seed) - 1;
+    float mean = (h[0] + h[1]) / 2, root = hypotf((h[0] - h[1]) / 2, h[2]);
+    s.depth_tolerance = 0.97f * 2 * (fabsf(mean) + root);
+    scene_curve(&s);
+    return s;
+}
+
+/* Eyes near patches with high walls, which are all that is seen of some. Nothing of them is
+ * missing; how large the rectangles are does not count here. */
 static void test_walls(void **state) {
     canvas *c = *state;
-    const float none[3] = {0, 0, 1}, line[3] = {-0.8f, 0.6f, 0.2f};
-    for (int i = 0; i < 48; ++i) {
-        scene s = dome(i & 1 ? 0.5f : -0.5f, i & 2 ? line : none, 0);
-        s.depth_tolerance = 0.99f; /* of 4 sagittas is 1, with which it would be drawn flat */
-        s.material.double_sided = i >> 2 & 1;
-        psplat_view view = view_at(70 + 5 * (i / 8), 0);
-        const double angle = (70 + 5 * (i / 8)) * 3.14159265358979323846 / 180;
-        camera_look(&view, (double[]){3 * sin(angle), 0, 3 * cos(angle)}, (double[]){0, 0, 0});
-        camera_perspective(&view, CANVAS_SIZE, 1, 8);
-        double e = excess(c, &s, &view);
-        assert_true(e >= 1);
+    uint32_t seed = 77;
+    for (int i = 0; i < 150; ++i) {
+        scene s = random_patch(&seed);
+        psplat_view view = camera_view(CANVAS_SIZE, CANVAS_SIZE);
+        const double angle = 6.2831853 * (double)scene_random(&seed);
+        const double z = 2.4 * (double)scene_random(&seed) - 0.9;
+        s.material.double_sided = i % 3 == 0;
+        camera_look(&view, (double[]){1.8 * cos(angle), 1.8 * sin(angle), z}, (double[]){0, 0, 0});
+        camera_perspective(&view, 0.6 * CANVAS_SIZE, 0.1, 8);
+        excess(c, &s, &view);
         scene_free(&s);
     }
 }
