@@ -152,13 +152,16 @@ static void test_frames(void **state) {
     psplat_model_destroy(s->canvas->renderer, model);
 }
 
-/* Shadow maps stay while their size does and no view needs more of them. */
+/* Shadow maps stay while their size does and no view needs more of them. Splats that are large in a
+ * map have another program than small ones, so that both are made first. */
 static void test_shadows(void **state) {
     spied_renderer *s = *state;
     psplat_model *model = canvas_model(s->canvas, s->asset);
     s->view.light_count = 2;
     s->view.lights[1] = s->view.lights[0];
     s->view.lights[0].casts_shadow = 1;
+    s->view.shadow_size = 40;
+    draw(s, model, 8);
     s->view.shadow_size = 16;
     draw(s, model, 8);
     count before = take(s);
@@ -177,11 +180,13 @@ static void test_shadows(void **state) {
     psplat_model_destroy(s->canvas->renderer, model);
 }
 
-/* Targets are kept for the last view and, for some draws, for the one before. */
+/* Targets are kept for the last view and, for some draws, for the one before. Programs of large and
+ * of small splats are made first. */
 static void test_targets(void **state) {
     spied_renderer *s = *state;
     psplat_model *model = canvas_model(s->canvas, s->asset);
-    draw(s, model, 50);
+    draw(s, model, 1);
+    for (int i = 0; i < 70; ++i) draw(s, model, 50);
     count before = take(s);
     size_t last = 50 * 50;
     for (int i = 0; i < TIMES; ++i) {
