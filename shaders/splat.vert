@@ -4,8 +4,8 @@
  * constants in (u, v), or as a rectangle around what clip lines leave of it. The normal field and the
  * values of straight clip lines are linear in (u, v), so they are exact at the corners, and the
  * hardware interpolates them with perspective; of bent lines the fragment shader gets two linear
- * values. Curved splats whose curvature does not show are
- * drawn by this shader too, as the ellipses in their tangent planes (spec 5.1).
+ * values. Curved splats whose curvature does not show are drawn by this shader too, as the ellipses in
+ * their tangent planes (spec 5.1).
  *
  * gl_program.c defines PASS, BOX, CLIP_COUNT, CLIP_TYPE, LINE_COUNT, SEAM_COUNT, BENDS, WIDE, SHAPE, COLOR, FINISH, FIELD, GAMMA,
  * NEAR, TWO_SIDED, FILTER, TANGENT, TEXTURED and NORMAL_MAP. texels.glsl, splat_data.glsl and

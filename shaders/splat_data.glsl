@@ -117,8 +117,8 @@ mat3 axes_of(vec4 q) {
 
 /* ---- rectangles around what is seen of a splat ---------------------------------------------- */
 
-/* How far what is seen of the unit disc reaches along a direction, against it, and to both sides
- * across: */
+/* Four numbers say how far what is seen of the unit disc reaches: along a direction, against it, and to
+ * both sides across it. */
 const vec4 WHOLE_DISC = vec4(1.0), NOTHING = vec4(-1.0);
 
 /* Cuts away what a line (a, b, c) does not keep, which is where a u + b v + c < 0. What is left
@@ -158,7 +158,7 @@ vec3 straightened(vec4 line) {
 
 /* Returns by how much the half axes of a rectangle have to grow, as parts of themselves, so that
  * its sides move outwards by a 128th of a pixel: rasterisers round corners to a 256th. Its centre
- * and half axes are in clip space, without z. */
+ * and half axes are in clip space, without z. A centre beside the eye, where w is 0, has no pixels. */
 vec2 room_of(vec3 center, vec3 across, vec3 along) {
     if (abs(center.z) <= 1e-4 * (abs(across.z) + abs(along.z))) return vec2(0.01);
     vec2 ndc = center.xy / center.z;

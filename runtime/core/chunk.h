@@ -47,7 +47,8 @@ void psplat_chunk_view_set(psplat_chunk_view *view, const double clip[16],
 /* Returns 0 where no splat of the chunk can be visible. It may return 1 for some that are not. */
 int psplat_chunk_is_visible(const psplat_chunk *chunk, const psplat_chunk_view *view);
 
-/* Returns 1 where a sphere lies between the four sides of the view. */
+/* Returns 1 where a sphere in object space lies between the four sides of the view, which the
+ * margin has moved outwards. */
 int psplat_sphere_is_between_sides(const float center[3], float radius,
                                    const psplat_chunk_view *view);
 

@@ -47,6 +47,22 @@ static inline void canvas_destroy(canvas *c) {
     free(c);
 }
 
+/* Group fixtures for cmocka: *state is a canvas. */
+static inline int canvas_setup_gl(void **state) {
+    *state = canvas_create(PSPLAT_API_GL);
+    return 0;
+}
+
+static inline int canvas_setup_gles(void **state) {
+    *state = canvas_create(PSPLAT_API_GLES);
+    return 0;
+}
+
+static inline int canvas_teardown(void **state) {
+    canvas_destroy(*state);
+    return 0;
+}
+
 static inline psplat_model *canvas_model(canvas *c, const psplat_asset *asset) {
     psplat_error error = {0};
     psplat_model *model = NULL;

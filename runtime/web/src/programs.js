@@ -67,7 +67,7 @@ export function differences(drawn) {
     return differ;
 }
 
-/** @returns the macros of a batch's pass. view: pass, isCurved, isBoxed, isNear, isTwoSided, counts, isHalf,
+/** @returns the macros of a batch's pass. view: pass, isCurved, isBoxed (of flat splats that lines cut), isNear, isTwoSided, counts, isHalf,
  *  differ (of differences()), packs (the depth of shadow maps as colours: '', 'depth', 'distance'),
  *  isReversed, isOwned (the visibility pass writes the object's number). */
 function definesOf(batch, material, view) {
@@ -112,7 +112,7 @@ function definesOf(batch, material, view) {
     d.OWNED = !!view.isOwned;
     d.FADE = false;
     d.PART = 0;
-    d.BOX = isFlat && lines > seams && !!view.isBoxed;
+    d.BOX = !!view.isBoxed;
     return d;
 }
 

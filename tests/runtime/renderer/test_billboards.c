@@ -38,14 +38,14 @@ static struct {
 } watched;
 
 /* Writes weights of 1 wherever the primitive is. */
-static const char *const everywhere[] = {
+static const char everywhere[] =
     "\nlayout(location = 0) out vec4 o_sum;\n"
     "layout(location = 1) out float o_depth;\n"
-    "void main() { o_sum = vec4(0.0, 0.0, 1.0, 1.0); o_depth = gl_FragCoord.z; }\n"};
+    "void main() { o_sum = vec4(0.0, 0.0, 1.0, 1.0); o_depth = gl_FragCoord.z; }\n";
 
 static void APIENTRY replace_source(GLuint shader, GLsizei count, const GLchar *const *strings,
                                     const GLint *lengths) {
-    const GLchar *sources[2] = {strings[0], everywhere[0]}; /* the version comes first */
+    const GLchar *sources[2] = {strings[0], everywhere}; /* the version comes first */
     for (GLsizei i = 0; i < count; ++i)
         if (strstr(strings[i], "find_hit(") || strstr(strings[i], "discard_outside(")) {
             watched.source(shader, 2, sources, NULL);
@@ -62,22 +62,25 @@ static void APIENTRY keep_instances(GLenum target, GLsizeiptr size, const void *
     watched.buffer(target, size, data, usage);
 }
 
-static void *watch_sources(void *user, const char *function) {
-    void *address = psplat_host_get_proc(user, function);
-    PFNGLSHADERSOURCEPROC mine = replace_source;
-    if (strcmp(function, "glShaderSource") != 0) return address;
-    memcpy(&watched.source, &address, sizeof address);
-    memcpy(&address, &mine, sizeof address);
+/* Returns the host's function; of the wanted name the one that *mine points to, while the host's is
+ * stored in *real. */
+static void *watch(void *host, const char *function, const char *wanted, void *real,
+                   const void *mine) {
+    void *address = psplat_host_get_proc(host, function);
+    if (strcmp(function, wanted) != 0) return address;
+    memcpy(real, &address, sizeof address);
+    memcpy(&address, mine, sizeof address);
     return address;
 }
 
+static void *watch_sources(void *user, const char *function) {
+    const PFNGLSHADERSOURCEPROC mine = replace_source;
+    return watch(user, function, "glShaderSource", &watched.source, &mine);
+}
+
 static void *watch_buffers(void *user, const char *function) {
-    void *address = psplat_host_get_proc(user, function);
-    PFNGLBUFFERDATAPROC mine = keep_instances;
-    if (strcmp(function, "glBufferData") != 0) return address;
-    memcpy(&watched.buffer, &address, sizeof address);
-    memcpy(&address, &mine, sizeof address);
-    return address;
+    const PFNGLBUFFERDATAPROC mine = keep_instances;
+    return watch(user, function, "glBufferData", &watched.buffer, &mine);
 }
 
 /* Gives the canvas a renderer with another loader. */
@@ -128,7 +131,8 @@ static scene dome(float bend, const float line[3], float kappa) {
 
 /* Draws a splat's rectangle and returns its pixels divided by those of the splat, which are the
  * reference's, who knows of no rectangle. The rectangle has all of these, but for those at edges,
- * which rounding decides (ties of 2e-4 as in test_agreement_curved.c). */
+ * which rounding decides (ties of 2e-4 as in test_agreement_curved.c). Of a splat without pixels
+ * the quotient is within no bound. */
 static double excess(canvas *c, const scene *s, const psplat_view *view) {
     picture splat = picture_of(s, NULL, view);
     size_t covered = picture_covered(&splat);
@@ -160,7 +164,7 @@ static void test_rectangles(void **state) {
         for (int is_parallel = 0; is_parallel < 2; ++is_parallel) {
             scene s = dome(cases[i].bend, cases[i].line, cases[i].kappa);
             psplat_view view = view_at(cases[i].degrees, is_parallel);
-            double e = excess(c, &s, &view); /* infinite where there is nothing */
+            double e = excess(c, &s, &view);
             print_message("case %zu, %s: %.3f (bound %.2f)\n", i,
                           is_parallel ? "parallel" : "perspective", e, cases[i].bound);
             assert_true(e <= cases[i].bound);
@@ -169,8 +173,8 @@ static void test_rectangles(void **state) {
 }
 
 /* Flat splats that lines cut: a strip, two corners, a square, a half and what a bent line leaves.
- * The bounds are 5 % above what was measured, as strips of some ten pixels have rough borders; the
- * triangle around the whole splat has 4 to 20 times the pixels. */
+ * The bounds are 5 % above what was measured, as strips of some ten pixels have rough borders; what
+ * the triangle around the whole splat covers exceeds all of them. */
 static void test_boxes(void **state) {
     canvas *c = *state;
     static const struct {
@@ -234,9 +238,8 @@ static void test_walls(void **state) {
     }
 }
 
-/* Lines that are so short that squares of their numbers are 0 in single precision cut as others do.
- */
-static void test_short_lines(void **state) {
+/* Lines cut as others do where squares of their numbers are 0 or infinite in single precision. */
+static void test_short_and_long_lines(void **state) {
     canvas *c = *state;
     for (int i = 0; i < 8; ++i) {
         const float scale = i & 4 ? 1e-23f : 1e23f, c0 = i & 1 ? -0.3f : 0.3f;
@@ -278,8 +281,7 @@ static void test_nothing(void **state) {
 
 /* ---- instances ----------------------------------------------------------------------------- */
 
-/* Returns two chunks of domes whose slope at the rim is `bend`, the second one `aside` the first.
- */
+/* Returns two chunks of domes whose slope at the rim is `bend`, the second `aside` the first. */
 static scene two_chunks(float aside, float bend) {
     scene s = scene_blank(512);
     for (size_t i = 0; i < s.count; ++i) {
@@ -312,27 +314,14 @@ static void test_between_sides(void **state) {
     }
 }
 
-static int open_gl(void **state) {
-    *state = canvas_create(PSPLAT_API_GL);
-    return 0;
-}
-
-static int open_gles(void **state) {
-    *state = canvas_create(PSPLAT_API_GLES);
-    return 0;
-}
-
-static int close_canvas(void **state) {
-    canvas_destroy(*state);
-    return 0;
-}
-
 int test_billboards_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_rectangles), cmocka_unit_test(test_boxes),
-        cmocka_unit_test(test_walls),      cmocka_unit_test(test_short_lines),
+        cmocka_unit_test(test_walls),      cmocka_unit_test(test_short_and_long_lines),
         cmocka_unit_test(test_nothing),    cmocka_unit_test(test_between_sides),
     };
-    int failed = cmocka_run_group_tests_name("billboards_gl", tests, open_gl, close_canvas);
-    return failed + cmocka_run_group_tests_name("billboards_gles", tests, open_gles, close_canvas);
+    int failed =
+        cmocka_run_group_tests_name("billboards_gl", tests, canvas_setup_gl, canvas_teardown);
+    return failed + cmocka_run_group_tests_name("billboards_gles", tests, canvas_setup_gles,
+                                                canvas_teardown);
 }

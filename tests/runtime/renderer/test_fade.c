@@ -301,21 +301,6 @@ static void test_replacement(void **state) {
         }
 }
 
-static int open_gl(void **state) {
-    *state = canvas_create(PSPLAT_API_GL);
-    return 0;
-}
-
-static int open_gles(void **state) {
-    *state = canvas_create(PSPLAT_API_GLES);
-    return 0;
-}
-
-static int close_canvas(void **state) {
-    canvas_destroy(*state);
-    return 0;
-}
-
 int test_fade_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_gone),       cmocka_unit_test(test_refused),
@@ -323,6 +308,7 @@ int test_fade_main(void) {
         cmocka_unit_test(test_depth_only), cmocka_unit_test(test_cross_fade),
         cmocka_unit_test(test_weights),    cmocka_unit_test(test_replacement),
     };
-    int failed = cmocka_run_group_tests_name("fade_gl", tests, open_gl, close_canvas);
-    return failed + cmocka_run_group_tests_name("fade_gles", tests, open_gles, close_canvas);
+    int failed = cmocka_run_group_tests_name("fade_gl", tests, canvas_setup_gl, canvas_teardown);
+    return failed +
+           cmocka_run_group_tests_name("fade_gles", tests, canvas_setup_gles, canvas_teardown);
 }

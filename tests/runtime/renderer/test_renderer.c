@@ -448,21 +448,6 @@ static void test_bad_arguments(void **state) {
     scene_free(&s);
 }
 
-static int setup_gl(void **state) {
-    *state = canvas_create(PSPLAT_API_GL);
-    return 0;
-}
-
-static int setup_es(void **state) {
-    *state = canvas_create(PSPLAT_API_GLES);
-    return 0;
-}
-
-static int teardown(void **state) {
-    canvas_destroy(*state);
-    return 0;
-}
-
 int test_renderer_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_disc),       cmocka_unit_test(test_parameters),
@@ -475,6 +460,6 @@ int test_renderer_main(void) {
         cmocka_unit_test(test_near_plane), cmocka_unit_test(test_one_pixel),
         cmocka_unit_test(test_nothing),    cmocka_unit_test(test_bad_arguments),
     };
-    int failed = cmocka_run_group_tests_name("GL", tests, setup_gl, teardown);
-    return failed + cmocka_run_group_tests_name("GLES", tests, setup_es, teardown);
+    int failed = cmocka_run_group_tests_name("GL", tests, canvas_setup_gl, canvas_teardown);
+    return failed + cmocka_run_group_tests_name("GLES", tests, canvas_setup_gles, canvas_teardown);
 }

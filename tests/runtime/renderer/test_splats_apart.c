@@ -113,27 +113,12 @@ static void test_nearer(void **state) {
     assert_true(off > 0.1);
 }
 
-static int setup_gl(void **state) {
-    *state = canvas_create(PSPLAT_API_GL);
-    return 0;
-}
-
-static int setup_es(void **state) {
-    *state = canvas_create(PSPLAT_API_GLES);
-    return 0;
-}
-
-static int teardown(void **state) {
-    canvas_destroy(*state);
-    return 0;
-}
-
 int test_splats_apart_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_plane),
         cmocka_unit_test(test_curved),
         cmocka_unit_test(test_nearer),
     };
-    int failed = cmocka_run_group_tests_name("GL", tests, setup_gl, teardown);
-    return failed + cmocka_run_group_tests_name("GLES", tests, setup_es, teardown);
+    int failed = cmocka_run_group_tests_name("GL", tests, canvas_setup_gl, canvas_teardown);
+    return failed + cmocka_run_group_tests_name("GLES", tests, canvas_setup_gles, canvas_teardown);
 }
