@@ -60,9 +60,6 @@ static const float kernel_sharpness = 4;
  * stands for floats. Chosen by hand. */
 enum { FINER_GRIDS = 2 };
 static const double finer_parts[FINER_GRIDS] = {0.25, 0};
-/* The part of the tolerance for which a mesh is converted on which textures slide by more than it.
- * Chosen by hand. */
-static const double closer_part = 0.5;
 
 /* Offsets of the user's seed, which give the local search and the verification random numbers of
  * their own. They are the ASCII letters of "improve" and "verify". */
@@ -317,22 +314,9 @@ static psplat_result convert_once(const psplat_mesh *mesh, const psplat_convert_
     return result;
 }
 
-/* Measures splats of a mesh by the limits of a desc. */
-static psplat_result measure(const psplat_mesh *mesh, const psplat_convert_desc *desc,
-                             const psplat_splats *splats, psplat_report *report,
-                             psplat_observations *observations, psplat_error *error) {
-    psplat_splats measured = *splats; /* They stay unchanged, but c.splats is not const. */
-    psplat_conversion c = {.desc = desc, .splats = &measured};
-    psplat_result result = psplat_conversion_begin(&c, mesh, error);
-    if (!result) result = verify(&c, report, observations, error);
-    psplat_conversion_free(&c);
-    return result;
-}
-
 /* ---- drafts ---------------------------------------------------------------------------------- */
 
 struct psplat_draft {
-    const psplat_mesh *mesh;
     psplat_convert_desc desc;
     psplat_conversion conversion; /* as it was when the surface was covered */
     psplat_selection covering;    /* a copy of its selection, which it has no more */
@@ -346,7 +330,6 @@ psplat_result psplat_draft_create(const psplat_mesh *mesh, const psplat_convert_
     psplat_draft *d = calloc(1, sizeof *d);
     *draft = NULL;
     if (!d) return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "no memory for a conversion");
-    d->mesh = mesh;
     d->desc = desc ? *desc : defaults;
     d->conversion = begin_conversion(&d->desc, &d->splats);
     psplat_result result = cover(&d->conversion, mesh, error);
@@ -430,96 +413,45 @@ static size_t broken_count(const psplat_report *report) {
     return count;
 }
 
-/* What a conversion has made. */
-typedef struct outcome {
-    psplat_splats *splats;
-    psplat_report *report;
-    psplat_observations *observations; /* or NULL */
-} outcome;
-
-/* Takes what another conversion has made where that breaks fewer promises, by their counts, and
- * frees the other. */
-static void keep_better(outcome *kept, outcome *other, size_t count, size_t other_count) {
-    if (other_count < count) {
-        psplat_splats swap = *kept->splats;
-        *kept->splats = *other->splats, *other->splats = swap;
-        *kept->report = *other->report;
-        if (kept->observations) {
-            psplat_observations seen = *kept->observations;
-            *kept->observations = *other->observations, *other->observations = seen;
-        }
-    }
-    if (other->observations) psplat_observations_free(other->observations);
-    psplat_splats_free(other->splats);
-}
-
 /* Converts again on finer grids, and at last with floats, while promises are broken. What breaks
  * fewest stays, the coarser one of equals. */
 static psplat_result refine_grid(const original *from, const psplat_convert_desc *desc,
-                                 outcome *made, psplat_error *error) {
-    for (int i = 0; i < FINER_GRIDS && broken_count(made->report); ++i) {
+                                 psplat_splats *splats, psplat_report *report,
+                                 psplat_observations *observations, psplat_error *error) {
+    for (int i = 0; i < FINER_GRIDS && broken_count(report); ++i) {
         psplat_convert_desc finer = *desc;
-        psplat_splats splats;
-        psplat_report report = *made->report;
+        psplat_splats other;
+        psplat_report other_report = *report;
         psplat_observations seen = {0};
-        outcome other = {&splats, &report, made->observations ? &seen : NULL};
         finer.precision *= finer_parts[i];
-        psplat_result result =
-            convert_original(from, &finer, &splats, &report, other.observations, error);
+        psplat_result result = convert_original(from, &finer, &other, &other_report,
+                                                observations ? &seen : NULL, error);
         if (result) {
             psplat_observations_free(&seen);
             return result;
         }
-        keep_better(made, &other, broken_count(made->report), broken_count(&report));
-    }
-    return PSPLAT_OK;
-}
-
-static size_t all_broken_count(const psplat_report *report) {
-    size_t count = 0;
-    for (int k = 0; k < PSPLAT_PROMISE_COUNT; ++k) count += report->promises[k].broken;
-    return count;
-}
-
-/* Converts for a part of the tolerance where textures slide by more than it, and measures that by
- * the whole: where charts or layers are narrower than the tolerance, smaller splats keep what no
- * grid does. What breaks fewer promises stays. So does what there is where a part of the tolerance
- * needs too many samples. */
-static psplat_result come_closer(const original *from, const psplat_convert_desc *desc,
-                                 outcome *made, psplat_error *error) {
-    const psplat_mesh *mesh = from->draft ? from->draft->mesh : from->mesh;
-    psplat_convert_desc closer = *desc;
-    psplat_splats splats;
-    psplat_report report = *made->report;
-    psplat_observations seen = {0};
-    outcome other = {&splats, &report, made->observations ? &seen : NULL};
-    if (desc->texture_tolerance_texels > 0 || !report.promises[PSPLAT_PROMISE_TEXTURE].broken)
-        return PSPLAT_OK;
-    closer.tolerance_percent = closer_part * report.tolerance_percent;
-    closer.unverified = 1;
-    psplat_result result = convert_once(mesh, &closer, &splats, &report, NULL, error);
-    if (result == PSPLAT_ERROR_RANGE) return PSPLAT_OK;
-    if (result) return result;
-    result = measure(mesh, desc, &splats, &report, other.observations, error);
-    report.tolerance_percent = made->report->tolerance_percent;
-    if (result) {
+        if (broken_count(&other_report) < broken_count(report)) {
+            psplat_splats swap = *splats;
+            *splats = other, other = swap;
+            *report = other_report;
+            if (observations) {
+                psplat_observations_free(observations);
+                *observations = seen, seen = (psplat_observations){0};
+            }
+        }
         psplat_observations_free(&seen);
-        psplat_splats_free(&splats);
-        return result;
+        psplat_splats_free(&other);
     }
-    keep_better(made, &other, all_broken_count(made->report), all_broken_count(&report));
     return PSPLAT_OK;
 }
 
-/* Converts, on finer grids where promises are broken, and closer where textures slide too far. */
+/* Converts, and on finer grids where promises are broken. */
 static psplat_result convert_and_refine(const original *from, const psplat_convert_desc *desc,
                                         psplat_splats *splats, psplat_report *report,
                                         psplat_observations *observations, psplat_error *error) {
     psplat_result result = convert_original(from, desc, splats, report, observations, error);
-    outcome made = {splats, report, observations};
-    if (result || !report || desc->unverified) return result;
-    if (splats->precision.unit > 0) result = refine_grid(from, desc, &made, error);
-    if (!result) result = come_closer(from, desc, &made, error);
+    if (result || !report || desc->unverified || !(splats->precision.unit > 0)) return result;
+    result = refine_grid(from, desc, splats, report, observations, error);
     if (result) psplat_splats_free(splats);
     return result;
 }
@@ -552,5 +484,10 @@ psplat_result psplat_convert_verify(const psplat_mesh *mesh, const psplat_conver
     if (!mesh || !splats || !report)
         return psplat_fail(error, PSPLAT_ERROR_ARGUMENT, 0,
                            "mesh, splats and report must not be NULL");
-    return measure(mesh, desc ? desc : &defaults, splats, report, NULL, error);
+    psplat_splats measured = *splats; /* They stay unchanged, but c.splats is not const. */
+    psplat_conversion c = {.desc = desc ? desc : &defaults, .splats = &measured};
+    psplat_result result = psplat_conversion_begin(&c, mesh, error);
+    if (!result) result = verify(&c, report, NULL, error);
+    psplat_conversion_free(&c);
+    return result;
 }

@@ -14,11 +14,8 @@
 #include "verify/report.h"
 
 /* Converts a mesh to splats, which psplat_splats_free frees. It is deterministic: equal input and
- * desc give equal splats. desc and report may be NULL. Where a report is wanted and desc is not
- * unverified, broken promises have the mesh converted again, on finer grids and for a part of the
- * tolerance, and what breaks fewest stays; the report judges all by the tolerance of desc. Errors:
- * ARGUMENT, MEMORY, INTERRUPTED, NO_SPLATS, RANGE (too large a mesh, too small a tolerance); splats
- * is empty then. */
+ * desc give equal splats. desc and report may be NULL. Errors: ARGUMENT, MEMORY, INTERRUPTED,
+ * NO_SPLATS, RANGE (too large a mesh, too small a tolerance); splats is empty then. */
 psplat_result psplat_convert(const psplat_mesh *mesh, const psplat_convert_desc *desc,
                              psplat_splats *splats, psplat_report *report, psplat_error *error);
 
