@@ -36,7 +36,8 @@ typedef struct psplat_surface {
     uint32_t *neighbors;   /* triangle_count x 3: triangle across the edge, or PSPLAT_NONE */
     uint8_t *creases;      /* triangle_count x 3: PSPLAT_BOUND_..., or 0 inside patches */
     uint32_t *patches;     /* triangle_count ids 0 ... patch_count - 1 */
-    float *corner_normals; /* triangle_count x 9: the file's, or averaged within patches */
+    float *corner_normals; /* triangle_count x 9: the file's, or averaged within patches; none leans
+                              from its triangle's by more than 58.7 degrees */
     /* triangle_count x 6: the changes of the kept texture coordinates s and t with the position, on
      * the triangle's plane, one over a length; NULL where no textures are kept */
     float *texcoord_slopes;

@@ -5,6 +5,11 @@
  * Any welded mesh is accepted. Edges of more than two triangles, or of two triangles that disagree
  * about their orientation, have no neighbour across and bound a patch. Normals are averaged around
  * each vertex from crease to crease (Thuermer, Wuethrich 1998).
+ *
+ * A normal that leans far away from its triangle's is turned back to a greatest angle. Planes are
+ * fitted to samples whose normals lean by less than 60 degrees (base/covariance.c), and no splat on
+ * the triangle covers what leans by more than 75.5 (fit/evaluate.h): such a triangle would take a
+ * splat for each of its points.
  */
 #include "features/surface_build.h"
 
@@ -19,6 +24,10 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* The least cosine between the normal of a corner and its triangle's, at 58.7 degrees: a corner of
+ * a cube that is shaded as a ball leans by 54.7. */
+static const double least_corner_cosine = 0.52;
 
 /* Computes normals and areas of all triangles, and the diagonal of their bounding box. */
 static void measure_faces(psplat_surface *surface) {
@@ -113,7 +122,22 @@ static void average_fan(psplat_surface *surface, uint8_t *done, uint32_t corner)
     } while (c != PSPLAT_NONE && c != begin);
 }
 
-/* Sets the corner normals: those of the file where they are credible, and averages elsewhere. */
+/* Turns the normal of a corner towards its triangle's where it leans too far away from that. */
+static void limit_lean(psplat_surface *surface, size_t corner) {
+    const double *face = surface->face_normals + 3 * (corner / 3);
+    float *normal = surface->corner_normals + 3 * corner;
+    double n[3] = {(double)normal[0], (double)normal[1], (double)normal[2]};
+    double along = dot3(n, face), least = least_corner_cosine;
+    if (along >= least) return;
+    mad3(n, -along, face);
+    double across = normalize3(n) > PSPLAT_LEAST_NORMAL ? sqrt(1 - least * least) : 0;
+    for (int k = 0; k < 3; ++k) n[k] = across * n[k] + least * face[k];
+    normalize3(n);
+    for (int k = 0; k < 3; ++k) normal[k] = (float)n[k];
+}
+
+/* Sets the corner normals: those of the file where they are credible, and averages elsewhere. None
+ * leans too far. */
 static psplat_result set_normals(psplat_surface *surface, const uint8_t *authored) {
     uint32_t corners = (uint32_t)(3 * surface->mesh->triangle_count);
     uint8_t *done = calloc(corners, 1);
@@ -130,6 +154,7 @@ static psplat_result set_normals(psplat_surface *surface, const uint8_t *authore
         if (authored[corner] & PSPLAT_AUTHORED_NORMAL)
             memcpy(surface->corner_normals + 3 * corner, surface->mesh->corner_normals + 3 * corner,
                    3 * sizeof(float));
+    for (size_t corner = 0; corner < corners; ++corner) limit_lean(surface, corner);
     return PSPLAT_OK;
 }
 

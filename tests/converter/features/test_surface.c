@@ -202,12 +202,48 @@ static void test_scales(void **state) {
     }
 }
 
+/* Normals of a file that lean by 87 degrees turn back to 58.7, the same way, and others stay as
+ * they are. */
+static void test_leaning_normals(void **state) {
+    (void)state;
+    const double leans[] = {0.05, 0.55}, kept[] = {0.52, 0.55};
+    psplat_mesh mesh = read_model(MODELS "cube.off");
+    size_t corners = 3 * mesh.triangle_count;
+    mesh.corner_normals = malloc(3 * corners * sizeof(float));
+    assert_non_null(mesh.corner_normals);
+    psplat_surface flat = build(&mesh);
+    for (int i = 0; i < 2; ++i) {
+        for (size_t c = 0; c < corners; ++c) {
+            const double *n = flat.face_normals + 3 * (c / 3);
+            for (size_t k = 0; k < 3; ++k) /* leaning along the next axis */
+                mesh.corner_normals[3 * c + k] =
+                    (float)(leans[i] * n[k] + sqrt(1 - leans[i] * leans[i]) * n[(k + 1) % 3]);
+        }
+        psplat_surface s = build(&mesh);
+        for (size_t c = 0; c < corners; ++c) {
+            const double *n = flat.face_normals + 3 * (c / 3);
+            for (size_t k = 0; k < 3; ++k)
+                assert_near((double)s.corner_normals[3 * c + k],
+                            kept[i] * n[k] + sqrt(1 - kept[i] * kept[i]) * n[(k + 1) % 3],
+                            2e-7); /* float normals */
+        }
+        psplat_surface_free(&s);
+    }
+    psplat_surface_free(&flat);
+    psplat_mesh_free(&mesh);
+}
+
 int test_surface_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_cube),   cmocka_unit_test(test_smooth),
-        cmocka_unit_test(test_noise),  cmocka_unit_test(test_dart),
-        cmocka_unit_test(test_broken), cmocka_unit_test(test_counts),
-        cmocka_unit_test(test_scales), cmocka_unit_test(test_no_creases),
+        cmocka_unit_test(test_cube),
+        cmocka_unit_test(test_smooth),
+        cmocka_unit_test(test_noise),
+        cmocka_unit_test(test_dart),
+        cmocka_unit_test(test_broken),
+        cmocka_unit_test(test_counts),
+        cmocka_unit_test(test_scales),
+        cmocka_unit_test(test_no_creases),
+        cmocka_unit_test(test_leaning_normals),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

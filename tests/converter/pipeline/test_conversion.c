@@ -144,6 +144,36 @@ static void test_smooth_cube(void **state) {
     psplat_mesh_free(&mesh);
 }
 
+/* A cube takes a splat for each side also where its normals lean by 87 degrees: nothing that splats
+ * cannot cover is left, for each point of which one would be made. */
+static void test_leaning_normals(void **state) {
+    (void)state;
+    const double leans[] = {0.05, 0.55};
+    psplat_mesh mesh = read_model("cube.off");
+    mesh.corner_normals = malloc(9 * mesh.triangle_count * sizeof(float));
+    assert_non_null(mesh.corner_normals);
+    for (int lean = 0; lean < 2; ++lean) {
+        psplat_report report = {0};
+        for (size_t t = 0; t < mesh.triangle_count; ++t) {
+            double sides[2][3], n[3];
+            const double *a = psplat_mesh_corner(&mesh, (uint32_t)t, 0);
+            for (int k = 0; k < 2; ++k)
+                sub3(sides[k], psplat_mesh_corner(&mesh, (uint32_t)t, k + 1), a);
+            cross3(n, sides[0], sides[1]);
+            normalize3(n);
+            for (size_t i = 0; i < 9; ++i)
+                mesh.corner_normals[9 * t + i] =
+                    (float)(leans[lean] * n[i % 3] +
+                            sqrt(1 - leans[lean] * leans[lean]) * n[(i + 1) % 3]);
+        }
+        psplat_splats splats = convert(&mesh, 0.5, &report);
+        assert_int_equal(splats.count, 6);
+        assert_int_equal(report.uncovered_samples, 0);
+        psplat_splats_free(&splats);
+    }
+    psplat_mesh_free(&mesh);
+}
+
 /* Every outline stays within the tolerance of the sphere, and the linear normal field follows its
  * normals better than a constant one. */
 static void check_sphere(void) {
@@ -469,6 +499,7 @@ int test_conversion_main(void) {
         cmocka_unit_test(test_too_fine),
         cmocka_unit_test(test_cube),
         cmocka_unit_test(test_smooth_cube),
+        cmocka_unit_test(test_leaning_normals),
         cmocka_unit_test(test_sphere),
         cmocka_unit_test(test_curved_saves),
         cmocka_unit_test(test_deterministic),
