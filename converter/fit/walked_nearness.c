@@ -31,6 +31,11 @@
  * which no memory is allocated. Chosen by hand. */
 enum { MOST_WALLS = 256, MOST_STEPS = 1 << 18, FIRST_STEPS = 64, FIRST_SLOTS = 256 };
 
+/* The most cells that walls divide a region into before branch and bound takes the rest: slivers
+ * that rounding leaves of walls which nearly meet in a point double with each. Of machined parts
+ * few regions have more than half as many. Chosen by hand. */
+enum { MOST_CELLS = 512 };
+
 /* The columns of u, from rim to rim, by which the triangles are listed that lie under points. */
 enum { COLUMNS = 64 };
 
@@ -73,7 +78,7 @@ typedef struct walk {
     uint32_t first_slots[FIRST_SLOTS], *slots; /* a hash table of places, or PSPLAT_NONE */
     size_t slot_count;                         /* a power of two, over twice the steps */
     wall walls[MOST_WALLS];
-    size_t wall_count;
+    size_t wall_count, cell_count;
     uint32_t column_starts[COLUMNS + 1], *in_columns; /* indices of steps; NULL: not listed yet */
     uint32_t guess;      /* the place of the triangle that was found nearest last */
     int failed, is_lost; /* no memory; or the walk cannot tell */
@@ -403,8 +408,10 @@ typedef struct wall_list {
 } wall_list;
 
 /* Returns whether the region is near in a cell: where no wall is, over triangles or by branch and
- * bound; else on both sides of the line through the last of the walls. */
+ * bound, and by that alone where there are too many cells; else on both sides of the line through
+ * the last of the walls. */
 static int are_sides_near(walk *w, const psplat_cell *cell, const wall_list *list) {
+    if (++w->cell_count > MOST_CELLS) return is_cell_near(w, cell);
     if (!list->count) {
         double mean[2];
         psplat_cell_mean(cell, mean);
@@ -464,7 +471,7 @@ psplat_result psplat_walked_nearness(const psplat_region *region, const psplat_d
     walk w;
     w.region = region, w.distance = distance, w.tree = psplat_distance_tree(distance);
     w.tolerance = tolerance;
-    w.count = w.wall_count = 0;
+    w.count = w.wall_count = w.cell_count = 0;
     w.in_columns = NULL;
     w.failed = w.is_lost = 0;
     walk_over(&w);

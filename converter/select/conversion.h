@@ -109,11 +109,13 @@ typedef struct psplat_conversion {
     psplat_selection selection;
     psplat_hole_memory hole_memory; /* of psplat_fill_holes */
     psplat_splats *splats;          /* the result; not owned */
-    double tolerance;               /* in the mesh's units */
+    double tolerance;               /* of fits, in the mesh's units: percent of diagonal, or less
+                                       where the mesh consists of narrow wires */
     psplat_kernel kernel;           /* that splats blend with */
     float (*color_ranges)[16];      /* of limits */
-    double finest;  /* sample spacing that is fine enough for any surface, a length */
-    double percent; /* the tolerance in % of diagonal */
+    double finest;     /* sample spacing that is fine enough for any surface, a length */
+    double percent;    /* the tolerance that is promised, in % of diagonal */
+    double wire_width; /* of the mesh (mesh/wire_width.h) */
     double diagonal;
     double owned[6]; /* desc->owned in the mesh's centred coordinates */
 } psplat_conversion;

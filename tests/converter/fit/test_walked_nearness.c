@@ -174,11 +174,62 @@ static void test_fold(void **state) {
     fixture_free(&f);
 }
 
+/* A wheel of slits whose sides, but for rounding, meet in its middle. */
+enum { SLITS = 76, RINGS = 4 };
+
+static void place_slits(double s, double t, double p[3]) {
+    double angle = 2 * 3.14159265358979323846 * s * (1 - 0.5 / SLITS);
+    p[0] = (0.1 + t) * cos(angle), p[1] = (0.1 + t) * sin(angle), p[2] = 0;
+}
+
+/* The walls along slits divide a disc into so many cells that branch and bound is left with the
+ * rest. */
+static void test_slits(void **state) {
+    (void)state;
+    fixture f;
+    size_t kept = 0;
+    int known = 0;
+    fixture_grid(&f, 2 * SLITS, RINGS, place_slits);
+    for (size_t t = 0; t < f.mesh.triangle_count; ++t) { /* Odd sectors stay outside alone. */
+        double middle[3] = {0};
+        for (int k = 0; k < 3; ++k)
+            for (int c = 0; c < 3; ++c)
+                middle[c] +=
+                    f.mesh.positions[3 * (size_t)f.mesh.triangles[3 * t + (size_t)k] + (size_t)c] /
+                    3;
+        double turn = atan2(middle[1], middle[0]) / (2 * 3.14159265358979323846);
+        int sector = (int)floor((turn < 0 ? turn + 1 : turn) / (1 - 0.5 / SLITS) * 2 * SLITS);
+        if (sector % 2 && length3(middle) < 0.8) continue;
+        memmove(f.mesh.triangles + 3 * kept++, f.mesh.triangles + 3 * t, 12);
+    }
+    f.mesh.triangle_count = kept;
+    fixture_build(&f);
+    psplat_distance *distance = psplat_distance_create_connected(&f.mesh, f.surface.neighbors);
+    assert_non_null(distance);
+    for (int turn = 0; turn < 24; ++turn) {
+        psplat_region disc = {
+            .u = {1, 0, 0}, .v = {0, -1, 0}, .n = {0, 0, -1}, .radius = {0.9, 0.9}};
+        disc.center[0] = 0.15 * cos(turn), disc.center[1] = 0.15 * sin(turn);
+        for (int wide = 0; wide < 2; ++wide) { /* The middle is 0.1 from where the slits begin. */
+            int is_known, near;
+            assert_int_equal(
+                psplat_walked_nearness(&disc, distance, wide ? 0.11 : 0.09, &is_known, &near),
+                PSPLAT_OK);
+            known += is_known;
+            assert_int_equal(near, is_known && wide);
+        }
+    }
+    assert_true(known >= 8); /* A walk from the edge of a slit cannot tell. */
+    psplat_distance_destroy(distance);
+    fixture_free(&f);
+}
+
 int test_walked_nearness_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_random_regions),
         cmocka_unit_test(test_hole),
         cmocka_unit_test(test_fold),
+        cmocka_unit_test(test_slits),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
