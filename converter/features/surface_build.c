@@ -28,6 +28,9 @@
 /* The least cosine between the normal of a corner and its triangle's, at 58.7 degrees: a corner of
  * a cube that is shaded as a ball leans by 54.7. */
 static const double least_corner_cosine = 0.52;
+/* The least length, across the triangle's normal, of a normal that leans to some side; less is what
+ * single precision leaves of one that faces backwards. */
+static const double least_side = 1e-6;
 
 /* Computes normals and areas of all triangles, and the diagonal of their bounding box. */
 static void measure_faces(psplat_surface *surface) {
@@ -130,7 +133,7 @@ static void limit_lean(psplat_surface *surface, size_t corner) {
     double along = dot3(n, face), least = least_corner_cosine;
     if (along >= least) return;
     mad3(n, -along, face);
-    double across = normalize3(n) > PSPLAT_LEAST_NORMAL ? sqrt(1 - least * least) : 0;
+    double across = normalize3(n) > least_side ? sqrt(1 - least * least) : 0;
     for (int k = 0; k < 3; ++k) n[k] = across * n[k] + least * face[k];
     normalize3(n);
     for (int k = 0; k < 3; ++k) normal[k] = (float)n[k];

@@ -13,8 +13,9 @@
  * of its area together; HUGE_VAL where less than half is wires. A wire is a component (triangles
  * connected by edges) that is much longer than wide, as cables, spokes and strings are. Its width
  * is its area divided by the integral of its mean curvature, which of a round wire is the diameter.
- * Plates and balls are no wires, and hollow tubes of a thin wall are none either: curvatures of
- * both sides cancel. Fails only with PSPLAT_ERROR_MEMORY. */
+ * Balls and plates are no wires, unless plates are four times as long as wide, and tubes of a thin
+ * wall whose inside and outside are connected are none either: the curvatures of both cancel. Fails
+ * only with PSPLAT_ERROR_MEMORY. */
 psplat_result psplat_mesh_wire_width(const psplat_mesh *mesh, double *width);
 
 #endif

@@ -32,10 +32,11 @@ static const double first_percent = 1;
 static const double good_share = 0.97, aimed_share = 0.985;
 /* The greatest step without a bracket, and the width of the bracket at which the search ends, as
  * ratios of tolerances. */
-static const double greatest_step_ratio = 8, least_bracket_ratio = 1.01;
+static const double greatest_step_ratio = 10, least_bracket_ratio = 1.01;
 /* The step, as a ratio of tolerances, after which a model of unchanged cost counts as flat: a finer
- * tolerance would gain nothing. */
-static const double flat_step_ratio = 4;
+ * tolerance would gain nothing. Over a ratio of 8 wires may be fitted to one part of their width
+ * (select/conversion.c). */
+static const double flat_step_ratio = 9;
 /* The least distance of a secant step from the bracket's ends, as a part of the bracket. */
 static const double least_bracket_part = 0.1;
 

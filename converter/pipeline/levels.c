@@ -138,6 +138,7 @@ static psplat_result make_all(level_work *w, psplat_error *error) {
         double next = given > 0 ? given : step_ratio * w->desc.tolerance_percent;
         if (next > coarsest_percent) break;
         w->desc.tolerance_percent = next;
+        w->desc.has_coarse_wires = 1;
         result = attempt(w, error);
     }
     return result;

@@ -188,6 +188,10 @@ static psplat_result set_limits(psplat_conversion *c, psplat_error *error) {
                         .constant_colors = has_constant_colors(c->desc, color_limit)};
     set_texture_limits(c);
     double expected = c->surface.area / (spacing * spacing);
+    if (!(expected <= most_samples) && c->wire_width < HUGE_VAL) {
+        c->wire_width = HUGE_VAL; /* Wires are not worth a refusal. */
+        return set_limits(c, error);
+    }
     if (!(expected <= most_samples))
         return psplat_fail(error, PSPLAT_ERROR_RANGE, 0,
                            "a tolerance of %g %% needs %.3g million samples, more than %g million",
@@ -240,7 +244,8 @@ static psplat_result build_proxy(psplat_conversion *c, const psplat_mesh *mesh,
 }
 
 /* Replaces the mesh by what its alpha masks leave of it. The edge of a mask is cut in straight
- * pieces that are as long as the distance between two points within the tolerance of one. */
+ * pieces that are as long as the distance between two points within the promised tolerance of one.
+ */
 static psplat_result apply_alpha_mask(psplat_conversion *c, const psplat_mesh **mesh,
                                       psplat_error *error) {
     if (!psplat_alpha_mask_is_needed(*mesh)) return PSPLAT_OK;
@@ -253,6 +258,8 @@ static psplat_result apply_alpha_mask(psplat_conversion *c, const psplat_mesh **
 
 static psplat_result measure_wires(psplat_conversion *c, const psplat_mesh *mesh,
                                    psplat_error *error) {
+    c->wire_width = HUGE_VAL;
+    if (c->desc->has_coarse_wires) return PSPLAT_OK;
     psplat_result result = psplat_mesh_wire_width(mesh, &c->wire_width);
     if (!result) return PSPLAT_OK;
     return psplat_fail(error, result, 0, "the edges of the mesh do not fit into memory");

@@ -91,6 +91,9 @@ typedef struct psplat_convert_desc {
     /* 1: positions may need more than 16 bits, since the splats will be written in parts; else
      * such splats are not rounded to a grid. */
     int is_written_in_parts;
+    /* 1: narrow wires may become as wide as the tolerance lets them, as in levels of detail, which
+     * are seen from where that is a pixel; 0: they are fitted to a part of their width */
+    int has_coarse_wires;
 } psplat_convert_desc;
 
 /* The data that the stages of a conversion share. */

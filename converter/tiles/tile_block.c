@@ -91,6 +91,7 @@ static psplat_convert_desc options_of(block_work *w, size_t steps) {
     options.color_tolerance_percent = min2(options.color_tolerance_percent * root, 100);
     options.bake_textures = 1;
     options.is_written_in_parts = 1;
+    options.has_coarse_wires = steps > 0;
     options.unverified = 0;
     options.owned = NULL;
     if (options.progress) {

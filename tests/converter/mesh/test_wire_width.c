@@ -64,6 +64,15 @@ static void test_two_widths(void **state) {
     assert_near(width_of(&wide), prism_width(0.02, 3), 1e-8);
 }
 
+/* A thin plate five times as long as wide is a wire, whose width is of the order of the plate's. */
+static void test_slat(void **state) {
+    (void)state;
+    obj slat = {{0}, 0};
+    add_box(&slat, 1, 0.2, 0.001, 0);
+    double area = 2 * (0.2 + 0.001 + 0.0002), curvature = tube_pi * (1 + 0.2 + 0.001);
+    assert_near(width_of(&slat), area / curvature, 1e-9);
+}
+
 /* Plates, balls of few sides and cubes are no wires, and neither are wires that have less than half
  * of the area. */
 static void test_others(void **state) {
@@ -97,9 +106,8 @@ static void test_hollow(void **state) {
 
 int test_wire_width_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_tubes),
-        cmocka_unit_test(test_two_widths),
-        cmocka_unit_test(test_others),
+        cmocka_unit_test(test_tubes),  cmocka_unit_test(test_two_widths),
+        cmocka_unit_test(test_slat),   cmocka_unit_test(test_others),
         cmocka_unit_test(test_hollow),
     };
     return cmocka_run_group_tests(tests, make_directory, remove_directory);
