@@ -22,11 +22,23 @@
  * long as wide. Chosen by hand. */
 static const double least_length_widths = 8;
 
+/* The part of the curvatures' absolute values that is left of their sum at least: a wire is convex
+ * but for the insides of bends, and walls and folds of a sheet are as often concave. Chosen by
+ * hand.
+ */
+static const double least_convex_part = 0.75;
+
+/* The part of its area that a wire shows to one side more than to the other at most: it has a
+ * surface all around, where a sheet has one side alone. Chosen by hand. */
+static const double most_open_part = 0.5;
+
 /* What is known of a component. */
 typedef struct component {
-    double area, curvature; /* the integral of the mean curvature, a length */
-    double low[3], high[3]; /* its box */
-    double width;           /* HUGE_VAL: it is no wire */
+    double area, curvature, absolute; /* the integral of the mean curvature, and of its absolute
+                                         value; lengths */
+    double facing[3];                 /* the sum of areas times normals */
+    double low[3], high[3];           /* its box */
+    double width;                     /* HUGE_VAL: it is no wire */
 } component;
 
 /* Components are trees of triangles, whose roots stand for them. */
@@ -57,6 +69,7 @@ static void begin_components(forest *f) {
                  psplat_mesh_corner(f->mesh, t, 0));
         cross3(normal, sides[0], sides[1]);
         *c = (component){.area = normalize3(normal) / 2};
+        mad3(c->facing, c->area, normal);
         for (int k = 0; k < 3; ++k) {
             c->low[k] = HUGE_VAL, c->high[k] = -HUGE_VAL;
             for (int corner = 0; corner < 3; ++corner) {
@@ -83,6 +96,7 @@ static void join_at(forest *f, uint32_t edge, uint32_t other) {
     double angle = atan2(length3(turn), dot3(n, m));
     int is_concave = dot3(n, m) > back_cosine && dot3(turn, along) < 0;
     /* The edge runs with its triangle to the left, so that a convex one turns along it. */
+    f->components[t].absolute += length3(along) * angle / 2;
     f->components[t].curvature += length3(along) * (is_concave ? -angle : angle) / 2;
     f->parents[root_of(f, t)] = root_of(f, across);
 }
@@ -95,7 +109,9 @@ static double finish_components(forest *f) {
         component *c = &f->components[t], *root = &f->components[root_of(f, t)];
         c->width = HUGE_VAL;
         if (c == root) continue;
-        root->area += c->area, root->curvature += c->curvature;
+        root->area += c->area;
+        root->curvature += c->curvature, root->absolute += c->absolute;
+        mad3(root->facing, 1, c->facing);
         for (int k = 0; k < 3; ++k) {
             root->low[k] = min2(root->low[k], c->low[k]);
             root->high[k] = max2(root->high[k], c->high[k]);
@@ -105,7 +121,9 @@ static double finish_components(forest *f) {
         component *c = &f->components[t];
         if (f->parents[t] != t) continue;
         area += c->area;
-        double width = c->curvature > 0 ? c->area / c->curvature : HUGE_VAL;
+        int is_convex = c->curvature > least_convex_part * c->absolute;
+        int is_around = length3(c->facing) <= most_open_part * c->area;
+        double width = is_convex && is_around ? c->area / c->curvature : HUGE_VAL;
         if (sqrt(distance2_3(c->low, c->high)) >= least_length_widths * width) c->width = width;
     }
     return area;
