@@ -26,7 +26,7 @@ static const double least_length_widths = 8;
  * but for the insides of bends, and walls and folds of a sheet are as often concave. Chosen by
  * hand.
  */
-static const double least_convex_part = 0.75;
+static const double least_convex_part = 0.4;
 
 /* The part of its area that a wire shows to one side more than to the other at most: it has a
  * surface all around, where a sheet has one side alone. Chosen by hand. */
