@@ -31,9 +31,9 @@
  * which no memory is allocated. Chosen by hand. */
 enum { MOST_WALLS = 256, MOST_STEPS = 1 << 18, FIRST_STEPS = 64, FIRST_SLOTS = 256 };
 
-/* The most cells that walls divide a region into before branch and bound takes the rest: slivers
- * that rounding leaves of walls which nearly meet in a point double with each. Of machined parts
- * few regions have more than half as many. Chosen by hand. */
+/* The most cells that walls divide a region into before branch and bound takes the rest. Where
+ * rounding leaves both sides of lines, cells double with each wall, without an end. Of machined
+ * parts few regions have more than half as many. Chosen by hand. */
 enum { MOST_CELLS = 512 };
 
 /* The columns of u, from rim to rim, by which the triangles are listed that lie under points. */

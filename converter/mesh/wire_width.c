@@ -22,15 +22,17 @@
  * long as wide. Chosen by hand. */
 static const double least_length_widths = 8;
 
-/* The part of the curvatures' absolute values that is left of their sum at least: a wire is convex
- * but for the insides of bends, and walls and folds of a sheet are as often concave. Chosen by
- * hand.
- */
+/* The least sum of curvatures as a part of the sum of their absolute values: a wire is convex but
+ * for grooves and the insides of bends. Chosen by hand. */
 static const double least_convex_part = 0.4;
 
 /* The part of its area that a wire shows to one side more than to the other at most: it has a
  * surface all around, where a sheet has one side alone. Chosen by hand. */
 static const double most_open_part = 0.5;
+
+/* The cosine from which on two triangles are the sides of a sheet: rounding would tell which way
+ * they turn, but a rim of it is convex. */
+static const double back_cosine = -1 + 1e-9;
 
 /* What is known of a component. */
 typedef struct component {
@@ -79,10 +81,6 @@ static void begin_components(forest *f) {
         }
     }
 }
-
-/* The cosine from which on two triangles are the sides of a sheet: rounding would tell which way
- * they turn, but a rim of it is convex. */
-static const double back_cosine = -1 + 1e-9;
 
 /* Joins the triangles at an edge, and adds its curvature to one of them. Triangles of which one is
  * turned over are two components. */

@@ -87,12 +87,12 @@ static void test_others(void **state) {
     assert_true(width_of(&both) == HUGE_VAL);
 }
 
-/* The outside of a hollow tube is convex where its inside is concave. */
-static void test_hollow(void **state) {
+/* A tube that faces inwards, as the inside of a hollow one does, is concave. */
+static void test_inside(void **state) {
     (void)state;
-    obj groove = {{0}, 0};
-    add_tube(&groove, 0.01, 1, 0, 1, 0);
-    psplat_mesh mesh = read_text("wires.obj", groove.text);
+    obj inside = {{0}, 0};
+    add_tube(&inside, 0.01, 1, 0, 1, 0);
+    psplat_mesh mesh = read_text("wires.obj", inside.text);
     double width = 0;
     for (size_t t = 0; t < mesh.triangle_count; ++t) { /* It faces inwards now. */
         uint32_t held = mesh.triangles[3 * t];
@@ -108,7 +108,7 @@ int test_wire_width_main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_tubes),  cmocka_unit_test(test_two_widths),
         cmocka_unit_test(test_slat),   cmocka_unit_test(test_others),
-        cmocka_unit_test(test_hollow),
+        cmocka_unit_test(test_inside),
     };
     return cmocka_run_group_tests(tests, make_directory, remove_directory);
 }
