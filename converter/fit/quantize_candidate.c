@@ -235,6 +235,8 @@ static void find_options_on_surface(quantizer *q) {
 }
 
 /* Finds the cheapest pairs of a grid normal next to the old one and a grid point around the centre.
+ * Where there are fewer than OPTIONS, what stands in place of the rest costs HUGE_VAL: it is left
+ * from other steps, and is no option.
  */
 static void find_options(quantizer *q) {
     int32_t middle[2], unit = 1 << q->at.normal_shift;
@@ -306,6 +308,7 @@ static psplat_fit_status try_options(quantizer *q, double factor, const int step
     find_radii(q, factor, steps, radius);
     find_options_for(q, radius);
     for (int i = 0; i < OPTIONS && status && status != PSPLAT_FIT_MEMORY; ++i) {
+        if (!(q->options[i].cost < HUGE_VAL)) break;
         psplat_region tried = region_of(q, &q->options[i], factor, steps);
         status = psplat_candidate_replace(q->context, &q->site, &tried, 0, keep_record, candidate);
     }
@@ -400,11 +403,13 @@ static psplat_region disc_at(quantizer *q, const double point[3], uint32_t trian
     perpendicular3(q->old.u, n);
     cross3(q->old.v, n, q->old.u);
     begin_options(q);
+    double smallest = min2(least, disc_radius_tolerances * tolerance);
+    const double radii[2] = {smallest, smallest};
+    find_options_for(q, radii); /* Larger discs have such steps, too. */
     const option *o = &q->options[0];
     sub3(d, o->center, point);
     double within = norm2(dot3(d, o->axes[0]), dot3(d, o->axes[1]));
-    for (int k = 0; k < 2; ++k)
-        q->old.radius[k] = max2(2 * within, min2(least, disc_radius_tolerances * tolerance));
+    for (int k = 0; k < 2; ++k) q->old.radius[k] = max2(2 * within, smallest);
     return region_of(q, o, 1, radius_steps[0]);
 }
 

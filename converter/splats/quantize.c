@@ -65,9 +65,10 @@ psplat_precision psplat_precision_at(const psplat_precision *p, const double rad
     int small = round_to(log(radius[1] / p->unit), p->scale_step);
     int grade = large < p->reference ? (p->reference - large) / p->halving : 0;
     grade = least_of(grade, PSPLAT_MOST_GRADE);
-    double line = 1 << least_of(grade, ilogb(1 / p->line_turn_step) - 1);
     at.halving = 0;
     at.normal_shift = least_of(grade, p->normal_grades);
+    at.line_shift = least_of(grade, ilogb(1 / p->line_turn_step) - 1);
+    double line = 1 << at.line_shift;
     at.turn_step = 1.0 / (1 << turn_bits(p, large > small ? large - small : 0));
     at.shape_step *= 1 << least_of(grade, p->shape_grades);
     at.line_step *= line;
@@ -159,6 +160,11 @@ static double distance_for_line(const bent_line *line, const bent_line *rounded)
     return least + change * gap * gap / 8;
 }
 
+/* Returns the most steps of a line's distance, each as long as so many steps of a file. */
+static int most_line_steps(const psplat_precision *p) {
+    return MOST_LINE_STEPS >> p->line_shift;
+}
+
 /* Rounds the bend of a line, and returns the distance at which the rounded line of that direction
  * keeps all that the line keeps. What the rounded line's value is to be at least 0 for grows
  * steadily against its direction, so that the border of what the line keeps decides. */
@@ -178,7 +184,7 @@ static double encode_bend(const psplat_precision *p, const double line[3], doubl
             fmax(distance_for_circle(&given, &rounded), distance_for_line(&given, &rounded));
         /* Some lines that cut next to nothing off would need more steps than a file can hold. A
          * straight line never does. */
-        if (!*code || distance <= MOST_LINE_STEPS * p->line_step) return distance;
+        if (!*code || distance <= most_line_steps(p) * p->line_step) return distance;
     }
 }
 
@@ -195,7 +201,7 @@ static void encode_line(const psplat_precision *p, const double line[3], double 
         distance = encode_bend(p, line, bend, angle, &code[2]);
     else
         distance = conservative_distance(line, cos(angle), sin(angle));
-    if (code[2]) most = MOST_LINE_STEPS;
+    if (code[2]) most = most_line_steps(p);
     /* The 0.01 steps absorb the rounding to float of a line that is on the grid already. */
     double steps = ceil(fmin(fmax(distance / p->line_step, -most), most) - 0.01);
     code[1] = (int32_t)fmin(fmax(steps, -most), most);
@@ -289,18 +295,25 @@ static void encode_field(const psplat_precision *p, const psplat_region *region,
     bound_field(p, code);
 }
 
-/* Encodes the surface of a curved splat. The radii that are stored are those of the code, so that
- * the surface keeps its curvature where they were rounded. */
-static void encode_shape(const psplat_precision *p, const psplat_region *region,
-                         const double axes[3][3], psplat_quantized_splat *code) {
+/* Returns how many steps of a precision are one of a coarser one. */
+static int32_t steps_in(double coarse, double fine) {
+    return fine > 0 ? round_to(coarse, fine) : 1;
+}
+
+/* Encodes the surface of a curved splat, of these radii, by the steps that these have. The radii
+ * that are stored are those of the code, so that the surface keeps its curvature where they were
+ * rounded. */
+static void encode_shape(const psplat_precision *p, const psplat_precision *at,
+                         const psplat_region *region, const double axes[3][3],
+                         const double radius[2], psplat_quantized_splat *code) {
     const double change[3] = {-region->hessian[0], -region->hessian[2], -region->hessian[1]};
-    double normal[3], radius[2];
+    double normal[3];
     if (!(p->shape_step > 0)) return;
-    for (int k = 0; k < 2; ++k) radius[k] = p->unit * exp(code->scale[k] * p->scale_step);
     memcpy(normal, region->n, sizeof normal);
     mad3(normal, -region->slope[0], region->u);
     mad3(normal, -region->slope[1], region->v);
-    encode_changes(region, axes, change, radius, p->shape_step, code->shape);
+    encode_changes(region, axes, change, radius, at->shape_step, code->shape);
+    for (int k = 0; k < 3; ++k) code->shape[k] *= steps_in(at->shape_step, p->shape_step);
     encode_tilt(normal, axes, p->shape_step, code->shape_tilt);
 }
 
@@ -317,29 +330,42 @@ static int field_is_shape(const psplat_run *run) {
     return run->is_curved && !run->has_shape;
 }
 
+/* Encodes the lines of a splat, by the steps that its radii have. */
+static void encode_lines(const psplat_precision *p, const psplat_precision *at,
+                         const psplat_region *region, int has_bends, psplat_quantized_splat *code) {
+    const int32_t steps[3] = {steps_in(at->line_turn_step, p->line_turn_step),
+                              steps_in(at->line_step, p->line_step),
+                              steps_in(at->bend_step, p->bend_step)};
+    for (uint32_t i = 0; i < region->line_count; ++i) {
+        double line[3];
+        for (int k = 0; k < 3; ++k)
+            line[k] = region->lines[i][k] * (k < 2 && code->flipped ? -1 : 1);
+        encode_line(at, line, has_bends ? region->bends[i] : 0, code->lines[i]);
+        for (int k = 0; k < 3; ++k) code->lines[i][k] *= steps[k];
+    }
+}
+
 void psplat_quantize_splat(const psplat_precision *p, const psplat_run *run,
                            const psplat_splat *splat, psplat_quantized_splat *code) {
     psplat_region region;
-    double axes[3][3];
+    double axes[3][3], radius[2];
     psplat_splat_region(splat, 0, &region);
     memset(code, 0, sizeof *code);
-    psplat_octahedron_encode_coarsely(region.n, p->normal_bits, p->normal_shift, code->normal);
-    psplat_octahedron_normal(code->normal, p->normal_bits, axes[2]);
-    code->turn = encode_turn(axes[2], region.u, p->turn_step, &code->flipped);
-    axes_of(axes[2], code->turn * p->turn_step, axes[0], axes[1]);
     for (int k = 0; k < 3; ++k) code->position[k] = round_to(region.center[k], p->unit);
     for (int k = 0; k < 2; ++k)
         code->scale[k] = round_to(log(region.radius[k] / p->unit), p->scale_step);
     if (code->scale[1] > code->scale[0]) code->scale[0] = code->scale[1];
+    for (int k = 0; k < 2; ++k) radius[k] = p->unit * exp(code->scale[k] * p->scale_step);
+    const psplat_precision at = psplat_precision_at(p, radius);
+    psplat_octahedron_encode_coarsely(region.n, p->normal_bits, at.normal_shift, code->normal);
+    psplat_octahedron_normal(code->normal, p->normal_bits, axes[2]);
+    code->turn = encode_turn(axes[2], region.u, at.turn_step, &code->flipped);
+    code->turn *= steps_in(at.turn_step, p->turn_step);
+    axes_of(axes[2], code->turn * p->turn_step, axes[0], axes[1]);
     if (!field_is_shape(run)) encode_field(p, &region, splat, (const double(*)[3])axes, code);
-    if (run->is_curved) encode_shape(p, &region, (const double(*)[3])axes, code);
+    if (run->is_curved) encode_shape(p, &at, &region, (const double(*)[3])axes, radius, code);
     if (run->has_shape) memset(code->shape_tilt, 0, sizeof code->shape_tilt);
-    for (uint32_t i = 0; i < splat->clip_count; ++i) {
-        double line[3];
-        for (int k = 0; k < 3; ++k)
-            line[k] = region.lines[i][k] * (k < 2 && code->flipped ? -1 : 1);
-        encode_line(p, line, run->has_bends ? region.bends[i] : 0, code->lines[i]);
-    }
+    encode_lines(p, &at, &region, run->has_bends, code);
 }
 
 /* Sets the normal, the field and the shape of a splat from its code and axes. */

@@ -20,7 +20,8 @@ enum { PSPLAT_MOST_GRADE = 7 };
 void psplat_round_to_precision(psplat_splats *splats);
 
 /* Returns the steps of a splat of these radii, which are on the grid: all of them multiples of
- * those of a precision. normal_shift becomes the low bits of codes of N that are 0. */
+ * those of a precision. normal_shift and line_shift become the low bits of codes of N and of lines
+ * that are 0. */
 psplat_precision psplat_precision_at(const psplat_precision *precision, const double radius[2]);
 
 /* Finds B1 and B2 of spec eq. (0), from which the turn about a unit normal is measured. */
@@ -78,8 +79,10 @@ typedef struct psplat_quantized_splat {
     int flipped;                             /* 1: U and V point against those of the splat */
 } psplat_quantized_splat;
 
-/* Rounds a splat of a run to the nearest integers. The run says what is stored of the splat's shape
- * and bends. Clip lines are rounded outwards: they cut nothing off that the splat keeps. */
+/* Rounds a splat of a run to the nearest integers that have the zeros at their end which its radii
+ * ask for (spec 3.12): one number with others would cost all splats of the file their grades. The
+ * run says what is stored of the splat's shape and bends. Clip lines are rounded outwards: they cut
+ * nothing off that the splat keeps. */
 void psplat_quantize_splat(const psplat_precision *precision, const psplat_run *run,
                            const psplat_splat *splat, psplat_quantized_splat *code);
 

@@ -48,6 +48,7 @@ typedef struct psplat_precision {
     int shape_grades;  /* the most bits that second derivatives may have less */
     int normal_grades; /* the same of normals */
     int normal_shift;  /* the bits that normals have less; 0 but from psplat_precision_at */
+    int line_shift;    /* the bits that lines have less; 0 but from psplat_precision_at */
 } psplat_precision;
 
 /* The splats of one mesh. They are sorted by their number of clip lines, and then of seams; then
