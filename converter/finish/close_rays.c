@@ -15,6 +15,7 @@
 #include "finish/close_rays.h"
 
 #include "base/angle.h"
+#include "base/block_boxes.h"
 #include "base/region.h"
 #include "base/region_tree.h"
 #include "base/vector.h"
@@ -91,8 +92,9 @@ typedef struct closer {
     psplat_measured_splats measured; /* of these; owned */
     gap *gaps;
     size_t count;
-    size_t most; /* candidates that there may be */
-    int turn;    /* which choice is extended */
+    psplat_block_boxes blocks; /* of the gaps' points */
+    size_t most;               /* candidates that there may be */
+    int turn;                  /* which choice is extended */
     uint32_t
         *order; /* gaps by the candidate of that choice; those of a candidate follow each other */
     uint32_t *first; /* candidates + 1: the first of each in order */
@@ -437,7 +439,8 @@ static psplat_result finish_new(const psplat_fit_context *context, size_t index,
 static double gain_of(closer *r, const psplat_region *region, int mark) {
     double gain = 0, tolerance = r->measured.tolerance;
     double far = psplat_region_reach(region) + tolerance / PSPLAT_FLATTEST_SIGHT_COSINE;
-    for (size_t i = 0; i < r->count; ++i) {
+    for (size_t i = psplat_block_boxes_next(&r->blocks, 0, region->center, far); i < r->count;
+         i = psplat_block_boxes_next(&r->blocks, i + 1, region->center, far)) {
         if (r->gaps[i].closed ||
             distance2_3(r->gaps[i].hole.sight.point, region->center) > far * far ||
             !psplat_ray_hole_is_closed(&r->gaps[i].hole, region, tolerance))
@@ -601,10 +604,12 @@ static psplat_result find_gaps(closer *r, uint64_t seed) {
     r->gaps = calloc(holes.count + 1, sizeof *r->gaps);
     r->order = malloc((holes.count + 1) * sizeof *r->order);
     r->first = malloc((selection->count + 2) * sizeof *r->first);
-    int ok = r->gaps && r->order && r->first;
+    int ok = r->gaps && r->order && r->first &&
+             psplat_block_boxes_create(holes.count, &r->blocks) == PSPLAT_OK;
     if (ok) r->count = holes.count;
     for (size_t i = 0; i < r->count; ++i) {
         r->gaps[i].hole = holes.holes[i];
+        psplat_block_boxes_add(&r->blocks, i, holes.holes[i].sight.point);
         choose(r, &r->gaps[i]);
         r->gaps[i].shows = !r->gaps[i].closed && psplat_ray_hole_shows(&r->gaps[i].hole, &walled);
     }
@@ -640,6 +645,7 @@ static psplat_result close_gaps(closer *r, psplat_error *error) {
 
 static void free_round(closer *r) {
     psplat_measured_splats_free(&r->measured);
+    psplat_block_boxes_free(&r->blocks);
     free(r->gaps);
     free(r->order);
     free(r->first);

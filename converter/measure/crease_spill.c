@@ -5,10 +5,11 @@
  * From places along a crease inside a splat, its surface is followed away from the crease, square
  * to it, in steps of half a tolerance or more and to its very end. At each step the triangles
  * nearby are asked whether one of them is what the splat shows there. All triangles near a splat
- * are gathered once: few splats have crossings at all.
+ * are gathered once.
  */
 #include "measure/crease_spill.h"
 
+#include "base/block_boxes.h"
 #include "base/region.h"
 #include "base/vector.h"
 #include "mesh/mesh.h"
@@ -29,16 +30,28 @@ typedef struct spill {
     const psplat_region *region;
     uint32_t material;
     double tolerance;
-    uint32_t *triangles; /* room for all of the mesh */
+    psplat_block_boxes blocks; /* of the mesh's triangles */
+    uint32_t *triangles;       /* room for all of the mesh */
     size_t count;
 } spill;
+
+static psplat_result begin(spill *s, const psplat_mesh *mesh) {
+    psplat_result result = psplat_block_boxes_create(mesh->triangle_count, &s->blocks);
+    s->triangles = malloc((mesh->triangle_count + 1) * sizeof *s->triangles);
+    if (result || !s->triangles) return PSPLAT_ERROR_MEMORY;
+    for (size_t i = 0; i < 3 * mesh->triangle_count; ++i)
+        psplat_block_boxes_add(&s->blocks, i / 3, mesh->positions + 3 * (size_t)mesh->triangles[i]);
+    return PSPLAT_OK;
+}
 
 /* Gathers the triangles of the splat's material whose box meets the sphere around the splat. */
 static void gather(spill *s) {
     const psplat_mesh *mesh = s->surface->mesh;
     double reach = psplat_region_reach(s->region) + s->tolerance;
     s->count = 0;
-    for (size_t t = 0; t < mesh->triangle_count; ++t) {
+    for (size_t t = psplat_block_boxes_next(&s->blocks, 0, s->region->center, reach);
+         t < mesh->triangle_count;
+         t = psplat_block_boxes_next(&s->blocks, t + 1, s->region->center, reach)) {
         const uint32_t *corners = mesh->triangles + 3 * t;
         int meets = psplat_mesh_material_of(mesh, t) == s->material;
         for (size_t k = 0; k < 3 && meets; ++k) {
@@ -146,9 +159,8 @@ psplat_result psplat_drop_unseen_crossings(const psplat_surface *surface,
     size_t kept = 0;
     spill s = {.surface = surface, .tolerance = measured->tolerance};
     if (!*count) return PSPLAT_OK;
-    s.triangles = malloc((surface->mesh->triangle_count + 1) * sizeof *s.triangles);
-    if (!s.triangles) return PSPLAT_ERROR_MEMORY;
-    for (size_t i = 0; i < *count; ++i) {
+    psplat_result result = begin(&s, surface->mesh);
+    for (size_t i = 0; i < *count && !result; ++i) {
         if (!i || crossings[i].splat != crossings[i - 1].splat || !s.region) {
             s.region = &measured->regions[crossings[i].splat];
             s.material = measured->materials ? measured->materials[crossings[i].splat] : 0;
@@ -156,7 +168,8 @@ psplat_result psplat_drop_unseen_crossings(const psplat_surface *surface,
         }
         if (is_seen(&s, &crossings[i])) crossings[kept++] = crossings[i];
     }
-    *count = kept;
+    if (!result) *count = kept;
+    psplat_block_boxes_free(&s.blocks);
     free(s.triangles);
-    return PSPLAT_OK;
+    return result;
 }

@@ -2,9 +2,9 @@
  *
  * quantize.c - rounding of splats to the integers that files hold, and back (spec 3.9).
  *
- * Values are rounded one after another, each in the frame that the rounded ones before it make: N
- * comes first, then the turn about N, and then tilt, normal field and clip lines in the frame of
- * both. So the error of one value does not add to that of the next.
+ * Values are rounded one after another, each in the frame that the rounded ones before it make: the
+ * radii, which choose the steps of most others, N, the turn about N, and then tilt, normal field
+ * and clip lines in the frame of both. So the error of one value does not add to that of the next.
  */
 #include "splats/quantize.h"
 

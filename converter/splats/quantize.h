@@ -33,8 +33,8 @@ void psplat_quantized_axes(const psplat_precision *precision, const int32_t norm
                            const double u[3], double axes[3][3]);
 
 /* Rounds a clip line and its bend as psplat_quantize_splat does, for a region whose axes are on the
- * grid. The rounded line cuts nothing off that the line keeps. It is straight where the step of
- * bends is 0. */
+ * grid, by the steps of its radii: precision is to be that of psplat_precision_at. The rounded line
+ * cuts nothing off that the line keeps. It is straight where the step of bends is 0. */
 void psplat_quantize_line(const psplat_precision *precision, double line[3], double *bend);
 
 /* Rounds a normal field (x, y, alpha, beta, gamma) as psplat_quantize_splat does where it is not
@@ -80,7 +80,9 @@ typedef struct psplat_quantized_splat {
 } psplat_quantized_splat;
 
 /* Rounds a splat of a run to the nearest integers that have the zeros at their end which its radii
- * ask for (spec 3.12): one number with others would cost all splats of the file their grades. The
+ * ask for (spec 3.12): one number with others would cost all splats of the file their grades. Where
+ * there are grades, the axes are to be on the grid of the radii already, as psplat_quantized_axes
+ * makes them with psplat_precision_at: round splats have few turns, and lines do not turn back. The
  * run says what is stored of the splat's shape and bends. Clip lines are rounded outwards: they cut
  * nothing off that the splat keeps. */
 void psplat_quantize_splat(const psplat_precision *precision, const psplat_run *run,

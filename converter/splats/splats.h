@@ -42,7 +42,8 @@ typedef struct psplat_precision {
     double texcoord_slope_step;       /* of their change over a radius */
     double texcoord_bend_step;        /* of its second order; 0 where none is written */
     int normal_bits;                  /* of each of the two octahedral coordinates of N, 4 ... 14 */
-    /* Small splats have coarser steps: a bit less for each halving of their radius (spec 3.12). */
+    /* Small splats have coarser steps: a bit less for each halving of their radius (spec 3.12). The
+     * steps of turns and lines are powers of two then. */
     int halving;       /* steps of radii in a halving; 0: all splats have the same steps */
     int reference;     /* radius from which on splats have these steps, as an integer */
     int shape_grades;  /* the most bits that second derivatives may have less */

@@ -468,9 +468,9 @@ static void test_pull_of_conversion(void **state) {
 /* ---- the last resort ------------------------------------------------------------------------- */
 
 /* Candidates that cover no sample become small discs at their centres, with all of it within the
- * tolerance on the coarsest grid that is chosen, and on a fine one, where discs are as small as the
- * candidates. The torus deviates from its planes by less than 1e-3 of the tolerance over so small
- * discs. */
+ * tolerance on the coarsest grid that is chosen, and on a fine one, where discs are smaller than
+ * those for which places are searched at first. The torus deviates from its planes by less than
+ * 1e-3 of the tolerance over so small discs. */
 static void make_discs(double unit, int normal_bits, double size) {
     enum { DISCS = 500 };
     fixture f;
@@ -505,7 +505,7 @@ static void make_discs(double unit, int normal_bits, double size) {
         psplat_candidate_free(&c);
     }
     print_message("discs lie %.3f tolerances too high\n", height);
-    assert_true(fabs(height) < 0.4 * unit); /* They are as often too high as too low. */
+    assert_true(fabs(height) < 0.4 * unit); /* Neither all too high nor all too low. */
     psplat_scratch_free(&scratch);
     fixture_free(&f);
 }

@@ -684,9 +684,10 @@ static void test_graded(void **state) {
     }
 }
 
-/* All integers of small splats have the zeros at their end that their radii ask for, those of lines
- * that lie on the grid or far out, too, of which less would be kept as well; and to round them
- * again changes nothing. */
+/* The integers of small splats have the zeros at their end that their radii ask for, those of lines
+ * far out, too, of which less would be kept as well; and to round them a third time changes
+ * nothing.
+ */
 static void test_zeros(void **state) {
     (void)state;
     uint32_t random = 5, normals = 0, shapes = 0, lines = 0;
@@ -710,6 +711,10 @@ static void test_zeros(void **state) {
         psplat_quantized_splat code, again;
         p.reference = (int)lrint(log((double)first / p.unit) / p.scale_step) + 3 * p.halving;
         psplat_quantize_splat(&p, &run, &splat, &code);
+        const double radius[2] = {p.unit * exp(p.scale_step * code.scale[0]),
+                                  p.unit * exp(p.scale_step * code.scale[1])};
+        double turns = code.turn * p.turn_step / psplat_precision_at(&p, radius).turn_step;
+        assert_true(turns == rint(turns));
         for (int k = 0; k < 2; ++k) normals |= (uint32_t)code.normal[k];
         for (int k = 0; k < 3; ++k) shapes |= (uint32_t)code.shape[k];
         for (int k = 0; k < 3; ++k)
