@@ -236,8 +236,7 @@ static void find_options_on_surface(quantizer *q) {
 
 /* Finds the cheapest pairs of a grid normal next to the old one and a grid point around the centre.
  * Where there are fewer than OPTIONS, what stands in place of the rest costs HUGE_VAL: it is left
- * from other steps, and is no option.
- */
+ * from other steps, and is no option. */
 static void find_options(quantizer *q) {
     int32_t middle[2], unit = 1 << q->at.normal_shift;
     for (int i = 0; i < OPTIONS; ++i) q->options[i].cost = HUGE_VAL;

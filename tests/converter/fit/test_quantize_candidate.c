@@ -238,6 +238,32 @@ static void test_place(void **state) {
     for (int k = 0; k < 2; ++k) psplat_splats_free(&splats[k]);
 }
 
+/* ---- the torus --------------------------------------------------------------------------------
+ */
+
+/* Samples the torus, and stores limits of a part of its diagonal and a fine grid. */
+static void begin_torus(fixture *f, double part, psplat_limits *limits,
+                        psplat_precision *precision) {
+    fixture_model(f, "torus.off");
+    fixture_sample(f, 0.01);
+    double tolerance = part * f->surface.diagonal;
+    *limits = (psplat_limits){.tolerance = tolerance,
+                              .crease_tolerance = 0.5 * tolerance,
+                              .crease_slack = 0.3 * tolerance,
+                              .margin = 0.2 * f->samples.spacing,
+                              .distance = f->distance};
+    *precision = (psplat_precision){.unit = 0.02 * tolerance,
+                                    .scale_step = 0.01,
+                                    .turn_step = 1.0 / 1024,
+                                    .tilt_step = 1.0 / 256,
+                                    .field_step = 1.0 / 64,
+                                    .shape_step = 1.0 / 256,
+                                    .bend_step = 1.0 / 64,
+                                    .line_step = 1.0 / 256,
+                                    .line_turn_step = 1.0 / 512,
+                                    .normal_bits = 12};
+}
+
 /* ---- grades ---------------------------------------------------------------------------------- */
 
 /* Makes splats have coarser steps the smaller they are, from a radius on. */
@@ -271,24 +297,14 @@ static void test_graded(void **state) {
     enum { COUNT = 3000 };
     fixture f;
     psplat_scratch scratch = {0};
-    fixture_model(&f, "torus.off");
-    fixture_sample(&f, 0.01);
-    double tolerance = 0.004 * f.surface.diagonal;
-    psplat_precision precision = {.unit = 0.35 * tolerance,
-                                  .scale_step = 0.04,
-                                  .turn_step = 1.0 / 256,
-                                  .tilt_step = 1.0 / 64,
-                                  .field_step = 1.0 / 64,
-                                  .shape_step = 1.0 / 64,
-                                  .bend_step = 1.0 / 64,
-                                  .line_step = 1.0 / 256,
-                                  .line_turn_step = 1.0 / 512,
-                                  .normal_bits = 8};
-    psplat_limits limits = {.tolerance = tolerance,
-                            .crease_tolerance = 0.5 * tolerance,
-                            .crease_slack = 0.3 * tolerance,
-                            .margin = 0.2 * f.samples.spacing,
-                            .distance = f.distance};
+    psplat_limits limits;
+    psplat_precision precision;
+    begin_torus(&f, 0.004, &limits, &precision);
+    precision.unit = 0.35 * limits.tolerance;
+    precision.scale_step = 0.04;
+    precision.turn_step = 1.0 / 256;
+    precision.shape_step = 1.0 / 64;
+    precision.normal_bits = 8;
     add_grades(&precision, 0.2 * f.surface.diagonal);
     int smaller = 0;
     for (size_t i = 0; i < COUNT; ++i) {
@@ -339,28 +355,6 @@ static size_t move_whole(const fixture *f, psplat_limits limits, const psplat_pr
     return fitting;
 }
 
-/* Samples the torus, and stores limits of a hundredth of its diagonal and a fine grid. */
-static void begin_torus(fixture *f, psplat_limits *limits, psplat_precision *precision) {
-    fixture_model(f, "torus.off");
-    fixture_sample(f, 0.01);
-    double tolerance = 0.01 * f->surface.diagonal;
-    *limits = (psplat_limits){.tolerance = tolerance,
-                              .crease_tolerance = 0.5 * tolerance,
-                              .crease_slack = 0.3 * tolerance,
-                              .margin = 0.2 * f->samples.spacing,
-                              .distance = f->distance};
-    *precision = (psplat_precision){.unit = 0.02 * tolerance,
-                                    .scale_step = 0.01,
-                                    .turn_step = 1.0 / 1024,
-                                    .tilt_step = 1.0 / 256,
-                                    .field_step = 1.0 / 64,
-                                    .shape_step = 1.0 / 256,
-                                    .bend_step = 1.0 / 64,
-                                    .line_step = 1.0 / 256,
-                                    .line_turn_step = 1.0 / 512,
-                                    .normal_bits = 12};
-}
-
 /* Nearly all candidates fit on a fine grid, and few on one whose points are four
  * tolerances apart.
  */
@@ -369,7 +363,7 @@ static void test_whole(void **state) {
     fixture f;
     psplat_limits limits;
     psplat_precision precision;
-    begin_torus(&f, &limits, &precision);
+    begin_torus(&f, 0.01, &limits, &precision);
     double tolerance = limits.tolerance;
     assert_true(move_whole(&f, limits, &precision, 30) >= 24);
     precision.normal_bits = 4;
@@ -412,7 +406,7 @@ static void test_pull(void **state) {
     psplat_scratch scratch = {0};
     heights of[2] = {{.count = 0}};
     int fitting = 0;
-    begin_torus(&f, &limits, &precision);
+    begin_torus(&f, 0.01, &limits, &precision);
     for (int i = 0; i < 2 * COUNT; ++i) {
         psplat_candidate c;
         int fits;
