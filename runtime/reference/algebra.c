@@ -8,23 +8,10 @@
 #include <math.h>
 #include <string.h>
 
-double psplat_oracle_dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-double psplat_oracle_length(const double a[3]) {
-    return sqrt(psplat_oracle_dot(a, a));
-}
-
 void psplat_oracle_cross(const double a[3], const double b[3], double out[3]) {
     out[0] = a[1] * b[2] - a[2] * b[1];
     out[1] = a[2] * b[0] - a[0] * b[2];
     out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-void psplat_oracle_along(const double origin[3], double s, const double direction[3],
-                         double out[3]) {
-    for (int i = 0; i < 3; ++i) out[i] = origin[i] + s * direction[i];
 }
 
 void psplat_oracle_normalise(double a[3]) {
@@ -36,11 +23,6 @@ void psplat_oracle_normalise(double a[3]) {
 void psplat_oracle_multiply(const double a[16], const double b[16], double out[16]) {
     for (int column = 0; column < 4; ++column)
         psplat_oracle_transform(a, b + column * 4, b[column * 4 + 3], out + column * 4);
-}
-
-void psplat_oracle_transform(const double m[16], const double v[3], double w, double out[4]) {
-    for (int row = 0; row < 4; ++row)
-        out[row] = m[row] * v[0] + m[4 + row] * v[1] + m[8 + row] * v[2] + m[12 + row] * w;
 }
 
 /* Swaps rows a and b of both halves of the elimination. */

@@ -188,7 +188,7 @@ static void draw(psplat_oracle_drawing *d, psplat_reference_image *image) {
     d->ties = image->tie || image->depth_tie || image->epsilon_tie || image->alpha_tie;
     if (psplat_oracle_lighting_has_shadows(&d->lighting)) visit_splats(d, collect_caster);
     visit_splats(d, find_visible);
-    visit_splats(d, blend_visible);
+    if (d->ties || image->color || image->depth || image->count) visit_splats(d, blend_visible);
     for (int y = 0; y < d->view->height; ++y)
         for (int x = 0; x < d->view->width; ++x) psplat_oracle_resolve(d, x, y, image);
 }

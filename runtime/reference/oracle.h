@@ -11,6 +11,8 @@
 
 #include <phongsplat/reference.h>
 
+#include <math.h>
+
 /* ---- memory.c ------------------------------------------------------------------------------- */
 
 /* Allocates zeroed elements, and at least one, so that NULL always means that memory ran out. */
@@ -21,18 +23,35 @@ void psplat_oracle_release(void *memory); /* which may be NULL */
 
 #define PSPLAT_ORACLE_PI 3.14159265358979323846
 
-double psplat_oracle_dot(const double a[3], const double b[3]);
-double psplat_oracle_length(const double a[3]);
+/* What each pixel takes many times is inline. */
+static inline double psplat_oracle_dot(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static inline double psplat_oracle_length(const double a[3]) {
+    return sqrt(psplat_oracle_dot(a, a));
+}
+
 void psplat_oracle_cross(const double a[3], const double b[3], double out[3]);
+
 /* Computes origin + s * direction. out may be any of the inputs. */
-void psplat_oracle_along(const double origin[3], double s, const double direction[3],
-                         double out[3]);
+static inline void psplat_oracle_along(const double origin[3], double s, const double direction[3],
+                                       double out[3]) {
+    for (int i = 0; i < 3; ++i) out[i] = origin[i] + s * direction[i];
+}
+
 /* Scales a vector to length 1. A vector of length 0 stays 0. */
 void psplat_oracle_normalise(double a[3]);
 /* Computes the product a b of 4 x 4 matrices. */
 void psplat_oracle_multiply(const double a[16], const double b[16], double out[16]);
+
 /* Computes m (v, w): w is 1 for a point and 0 for a direction. */
-void psplat_oracle_transform(const double m[16], const double v[3], double w, double out[4]);
+static inline void psplat_oracle_transform(const double m[16], const double v[3], double w,
+                                           double out[4]) {
+    for (int row = 0; row < 4; ++row)
+        out[row] = m[row] * v[0] + m[4 + row] * v[1] + m[8 + row] * v[2] + m[12 + row] * w;
+}
+
 /* Inverts a 4 x 4 matrix. Returns 0 where m has no finite inverse. */
 int psplat_oracle_invert(const double m[16], double out[16]);
 

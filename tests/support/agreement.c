@@ -168,7 +168,7 @@ static void mark_changes(const picture *p, const picture *other, double step, ui
     }
 }
 
-/* The reference's pictures a part of a pixel to the right of a view's and above it. */
+/* The nearest splats a part of a pixel to the right of a view's and above it. */
 typedef struct neighbours {
     picture pictures[2];
 } neighbours;
@@ -180,8 +180,7 @@ static neighbours neighbours_of(const psplat_reference_scene *scene, const pspla
     neighbours n;
     for (int upwards = 0; upwards < 2; ++upwards) {
         psplat_view from = moved(view, upwards ? 0 : neighbour_step, upwards ? neighbour_step : 0);
-        from.mode = PSPLAT_MODE_PARAMETERS; /* which shades nothing */
-        n.pictures[upwards] = picture_of_scene(scene, &from);
+        n.pictures[upwards] = picture_of_nearest(scene, &from);
     }
     return n;
 }

@@ -75,14 +75,8 @@ static void *allocate(size_t count, size_t size) {
     abort();
 }
 
-picture picture_draw(const psplat_asset *asset, const double transform[16],
-                     const psplat_view *view) {
-    psplat_reference_scene scene = {.asset = asset};
-    if (transform) memcpy(scene.transform, transform, sizeof scene.transform);
-    return picture_of_scene(&scene, view);
-}
-
-picture picture_of_scene(const psplat_reference_scene *from, const psplat_view *view) {
+/* Draws what p has arrays for. */
+static void draw(const psplat_reference_scene *from, const psplat_view *view, picture *p) {
     psplat_reference_scene with_images = *from, *scene = &with_images;
     psplat_pixels images[8];
     size_t image_count = psplat_asset_image_count(from->asset);
@@ -91,21 +85,44 @@ picture picture_of_scene(const psplat_reference_scene *from, const psplat_view *
         with_images.images = images;
         with_images.image_count = image_count;
     }
+    psplat_error error;
+    if (psplat_reference_draw(scene, view, &p->image, &error)) {
+        fprintf(stderr, "camera: %s\n", error.text);
+        abort();
+    }
+}
+
+static picture nearest_arrays(const psplat_view *view) {
     size_t count = (size_t)view->width * (size_t)view->height;
     picture p = {.width = view->width, .height = view->height};
-    p.image.color = allocate(count, 4 * sizeof(float));
     p.image.uv = allocate(count, 2 * sizeof(double));
     p.image.splat = allocate(count, sizeof(int32_t));
+    return p;
+}
+
+picture picture_of_nearest(const psplat_reference_scene *from, const psplat_view *view) {
+    picture p = nearest_arrays(view);
+    draw(from, view, &p);
+    return p;
+}
+
+picture picture_of_scene(const psplat_reference_scene *from, const psplat_view *view) {
+    size_t count = (size_t)view->width * (size_t)view->height;
+    picture p = nearest_arrays(view);
+    p.image.color = allocate(count, 4 * sizeof(float));
     p.image.count = allocate(count, sizeof(uint32_t));
     double **arrays[] = {&p.image.depth, &p.image.tie, &p.image.depth_tie, &p.image.epsilon_tie,
                          &p.image.alpha_tie};
     for (int i = 0; i < 5; ++i) *arrays[i] = allocate(count, sizeof(double));
-    psplat_error error;
-    if (psplat_reference_draw(scene, view, &p.image, &error)) {
-        fprintf(stderr, "camera: %s\n", error.text);
-        abort();
-    }
+    draw(from, view, &p);
     return p;
+}
+
+picture picture_draw(const psplat_asset *asset, const double transform[16],
+                     const psplat_view *view) {
+    psplat_reference_scene scene = {.asset = asset};
+    if (transform) memcpy(scene.transform, transform, sizeof scene.transform);
+    return picture_of_scene(&scene, view);
 }
 
 picture picture_of(const scene *s, const double transform[16], const psplat_view *view) {
