@@ -2,7 +2,7 @@
  *
  * test_stream.c - tests files with a coded stream (spec 3.12) that are not as they should be: each
  * field of the head out of its range, members and attributes that the stream holds, bytes that are
- * missing or changed. tests/converter/splats/test_quantize.c reads streams that are whole.
+ * missing or changed. tests/converter/export/test_written_splats.c reads streams that are whole.
  */
 #include <setjmp.h>
 #include <stdarg.h>
