@@ -19,6 +19,7 @@
 #include "features/crease_classify.h"
 #include "features/crease_follow.h"
 #include "features/curvature.h"
+#include "features/facet_edges.h"
 #include "features/surface.h"
 #include "features/tangent_edges.h"
 #include "mesh/edges.h"
@@ -214,6 +215,7 @@ psplat_result psplat_crease_find(psplat_surface *surface, const psplat_patch_bou
         result = find_creases(surface, &rule);
     if (!result) result = psplat_chart_borders_mark(surface);
     if (!result) result = psplat_tangent_edges_mark(surface, authored, bounds->tolerance);
+    if (!result) psplat_facet_edges_mark(surface, bounds->facet_tolerance);
     if (!result) result = number_patches(surface);
     if (!result) measure_edges(surface);
     return result;

@@ -25,6 +25,9 @@ typedef struct psplat_patch_bounds {
     /* The greatest distance of splats from the surface, a length: tangent edges over which they
      * would reach bound patches too (tangent_edges.h). 0: none do. */
     double tolerance;
+    /* The greatest distance of splats from the surface, a length: edges of facets that stand out by
+     * a part of it bound patches too (facet_edges.h). 0: none do. */
+    double facet_tolerance;
     /* The altitude, a length, below which slivers face as the surface beside them (slivers.h). 0:
      * all triangles face their own way. */
     double sliver_height;

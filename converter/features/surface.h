@@ -19,15 +19,17 @@ enum { PSPLAT_MIN_PARALLEL_COUNT = 50000 };
 /* What an edge bounds. Splats end at all kinds; normals are averaged across the smooth ones, which
  * are all but the first. */
 enum {
-    PSPLAT_BOUND_CREASE = 1, /* sharp, a border, non-manifold, inconsistently oriented, or between
-                                two groups */
-    PSPLAT_BOUND_CHART = 2,  /* smooth, but texture coordinates jump or mirror (chart_borders.h) */
-    PSPLAT_BOUND_TANGENT = 4 /* smooth, but the curvature jumps, or a bevel begins
-                                (tangent_edges.h) */
+    PSPLAT_BOUND_CREASE = 1,  /* sharp, a border, non-manifold, inconsistently oriented, or between
+                                 two groups */
+    PSPLAT_BOUND_CHART = 2,   /* smooth, but texture coordinates jump or mirror (chart_borders.h) */
+    PSPLAT_BOUND_TANGENT = 4, /* smooth, but the curvature jumps, or a bevel begins
+                                 (tangent_edges.h) */
+    PSPLAT_BOUND_FACET = 8    /* smooth, but of facets that stand out (facet_edges.h) */
 };
 
 /* A mesh with what is known about its surface. Edge 3 t + k of triangle t runs from its corner k to
- * its corner (k + 1) % 3. Creases, borders of charts and tangent edges bound the patches. */
+ * its corner (k + 1) % 3. Creases, borders of charts, tangent edges and edges of facets bound the
+ * patches. */
 typedef struct psplat_surface {
     const psplat_mesh *mesh;
     const psplat_appearance *appearance; /* set by the caller so that samples are baked; or NULL */
@@ -46,6 +48,7 @@ typedef struct psplat_surface {
     size_t border_edges;
     size_t chart_border_edges; /* that are no creases */
     size_t tangent_edges;      /* that are neither */
+    size_t facet_edges;        /* that are none of these */
     double roughness;          /* root mean square of the dihedral angles inside patches, radians */
     double area;
     double diagonal; /* of the bounding box of used vertices */

@@ -126,8 +126,9 @@ typedef struct closer {
 } closer;
 
 /* Returns how far a splat reaches over an edge where the surface goes on, in tolerances; 0 where
- * its line ends at the surface across, as at a crease. */
+ * its line ends at the surface across, as at a crease and at the edge of a facet. */
 static double reach_over(const psplat_surface *surface, const psplat_segment *segment) {
+    if (segment->is_facet) return 0;
     if (!segment->is_tangent) return segment->is_smooth ? smooth_reach_tolerances : 0;
     const double *left = surface->face_normals + 3 * (size_t)segment->triangle;
     const double *right = surface->face_normals + 3 * (size_t)segment->across;

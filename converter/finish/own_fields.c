@@ -330,7 +330,7 @@ psplat_result psplat_fit_own_fields(psplat_conversion *c) {
     field_fit f = {.count = 0};
     if (!c->limits.precision || c->limits.constant_normals || c->limits.normal_tolerance > 0 ||
         c->samples.turned || !is_lit(c->surface.mesh) || !has_curved(&c->selection) ||
-        (!c->surface.mesh->corner_normals &&
+        (!c->surface.mesh->corner_normals && !c->surface.facet_edges &&
          (c->surface.tangent_edges || psplat_used_part(c) < least_used)))
         return PSPLAT_OK;
     psplat_result result =

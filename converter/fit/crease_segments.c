@@ -111,6 +111,7 @@ size_t psplat_segments_find(const psplat_surface *surface, const uint32_t *creas
         s->is_smooth = !(surface->creases[edge] & PSPLAT_BOUND_CREASE);
         s->is_chart = surface->creases[edge] == PSPLAT_BOUND_CHART;
         s->is_tangent = surface->creases[edge] == PSPLAT_BOUND_TANGENT;
+        s->is_facet = surface->creases[edge] == PSPLAT_BOUND_FACET;
         plane_local(region, mesh->positions + 3 * (size_t)s->vertex[0], s->a);
         plane_local(region, mesh->positions + 3 * (size_t)s->vertex[1], s->b);
         if (is_beside_disc(s) || !clip_segment(s, region)) continue;

@@ -20,6 +20,7 @@ typedef struct psplat_segment {
     int is_smooth;      /* 1: no crease: the surface goes on across (PSPLAT_BOUND_...) */
     int is_chart;       /* 1: a border of charts alone */
     int is_tangent;     /* 1: neither a crease nor a border of charts: only the curvature jumps */
+    int is_facet;       /* 1: none of these: the edge of a facet */
 } psplat_segment;
 
 /* Finds the parts of crease edges (3 x triangle + side) that lie inside the region's ellipse and

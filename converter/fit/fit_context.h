@@ -85,7 +85,8 @@ typedef struct psplat_fit_context {
 psplat_fit_context psplat_fit_draft(const psplat_fit_context *context, psplat_limits *draft);
 
 /* Returns how far normals may move the surfaces that psplat_fit_surface finds off the samples, a
- * length: those of the file may not be those of the shape. HUGE_VAL where the file has none. */
+ * length: those of the file may not be those of the shape, and those that are averaged over facets
+ * where splats end at their edges are none of it. HUGE_VAL where neither is so. */
 double psplat_most_normal_pull(const psplat_fit_context *context);
 
 /* Calls visit with each index below count, on all cores. The context that visit gets has a scratch

@@ -71,8 +71,9 @@ psplat_fit_context psplat_fit_draft(const psplat_fit_context *context, psplat_li
 }
 
 double psplat_most_normal_pull(const psplat_fit_context *context) {
-    int authored = context->surface->mesh->corner_normals != NULL;
-    return authored ? most_pull_tolerances * context->limits->tolerance : HUGE_VAL;
+    const psplat_surface *surface = context->surface;
+    int are_others = surface->mesh->corner_normals || surface->facet_edges;
+    return are_others ? most_pull_tolerances * context->limits->tolerance : HUGE_VAL;
 }
 
 psplat_result psplat_fit_each(const psplat_fit_context *context, size_t count,

@@ -6,6 +6,7 @@
 #include "pipeline/convert.h"
 
 #include "base/random.h"
+#include "features/facet_edges.h"
 #include "fit/candidate.h"
 #include "fit/color_fit.h"
 #include "fit/fit_context.h"
@@ -60,6 +61,11 @@ static const float kernel_sharpness = 4;
  * stands for floats. Chosen by hand. */
 enum { FINER_GRIDS = 2 };
 static const double finer_parts[FINER_GRIDS] = {0.25, 0};
+
+/* The splats for each facet of a mesh from which on splats end at the edges of facets, and at most
+ * so many where they do. These have three lines or four and take up to twice the bytes of others.
+ * Both are of the greedy cover, which improving makes smaller, and were chosen by hand. */
+static const double most_splats_per_facet = 1.5, most_by_facets = 4;
 
 /* Offsets of the user's seed, which give the local search and the verification random numbers of
  * their own. They are the ASCII letters of "improve" and "verify". */
@@ -161,15 +167,51 @@ static psplat_result draw_samples(psplat_conversion *c, psplat_error *error) {
                                                       : PSPLAT_OK;
 }
 
-/* Covers the surface by splats of floats: all of a conversion that does not depend on the grid. */
-static psplat_result cover(psplat_conversion *c, const psplat_mesh *mesh, psplat_error *error) {
+/* Begins a conversion, up to the samples that splats are to cover. */
+static psplat_result begin_covering(psplat_conversion *c, const psplat_mesh *mesh,
+                                    psplat_error *error) {
     psplat_result result = psplat_conversion_begin(c, mesh, error);
     if (result) return result;
     if (psplat_conversion_interrupted(c->desc, "sampling", 0))
         return psplat_fail(error, PSPLAT_ERROR_INTERRUPTED, 0, "interrupted");
-    result = draw_samples(c, error);
-    const psplat_fit_context context = psplat_conversion_context(c);
-    if (!result) result = psplat_greedy_cover(&context, c->desc, &c->selection, error);
+    return draw_samples(c, error);
+}
+
+/* Counts the facets that splats may end at; 0 where they may not. */
+static psplat_result count_facets(const psplat_conversion *c, size_t *facets, psplat_error *error) {
+    if (c->desc->no_creases || !psplat_facets_count(&c->surface, c->tolerance, facets))
+        return PSPLAT_OK;
+    return psplat_fail(error, PSPLAT_ERROR_MEMORY, 0, "out of memory while sampling");
+}
+
+/* Covers all samples of a mesh. Where that takes many more splats than the mesh has facets, they
+ * end at the facets' edges, unless that takes as many. */
+static psplat_result cover_samples(psplat_conversion *c, const psplat_mesh *mesh,
+                                   psplat_error *error) {
+    enum { OVER_ALL, BY_FACETS, OVER_ALL_AFTER_ALL, WAYS };
+    const psplat_conversion before = *c;
+    psplat_result result = PSPLAT_OK;
+    size_t facets = 0;
+    int is_whole = 0;
+    for (int way = OVER_ALL; way < WAYS && !is_whole && !result; ++way) {
+        if (way != OVER_ALL) psplat_conversion_free(c), *c = before;
+        c->ends_at_facets = way == BY_FACETS;
+        result = begin_covering(c, mesh, error);
+        if (!result && way == OVER_ALL) result = count_facets(c, &facets, error);
+        const psplat_fit_context context = psplat_conversion_context(c);
+        const double share = way == BY_FACETS ? most_by_facets : most_splats_per_facet;
+        size_t most =
+            facets && way != OVER_ALL_AFTER_ALL ? (size_t)(share * (double)facets) : SIZE_MAX;
+        if (!result)
+            result =
+                psplat_greedy_cover_by(&context, c->desc, most, &c->selection, &is_whole, error);
+    }
+    return result;
+}
+
+/* Covers the surface by splats of floats: all of a conversion that does not depend on the grid. */
+static psplat_result cover(psplat_conversion *c, const psplat_mesh *mesh, psplat_error *error) {
+    psplat_result result = cover_samples(c, mesh, error);
     if (!result) result = improve(c, error);
     return result ? result : psplat_fill_holes(c, error);
 }
@@ -251,6 +293,7 @@ static void count_for_report(const psplat_conversion *c, psplat_report *report) 
     report->border_edges = c->surface.border_edges;
     report->chart_border_edges = c->surface.chart_border_edges;
     report->tangent_edges = c->surface.tangent_edges;
+    report->facet_edges = c->surface.facet_edges;
     report->samples = c->samples.count;
     report->diagonal = c->diagonal;
     report->tolerance_percent = c->percent;

@@ -36,6 +36,7 @@ static void add_counts(psplat_report *total, const psplat_report *part) {
     total->border_edges += part->border_edges;
     total->chart_border_edges += part->chart_border_edges;
     total->tangent_edges += part->tangent_edges;
+    total->facet_edges += part->facet_edges;
     total->samples += part->samples;
     total->uncovered_samples += part->uncovered_samples;
 }

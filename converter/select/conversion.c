@@ -285,6 +285,7 @@ static psplat_patch_bounds patch_bounds(psplat_conversion *c, const psplat_mesh 
                                      desc->no_creases ? PSPLAT_NO_CREASES : degrees * PSPLAT_DEGREE,
                                  .appearance = &c->appearance,
                                  .tolerance = desc->planar || desc->no_creases ? 0 : c->tolerance,
+                                 .facet_tolerance = c->ends_at_facets ? c->tolerance : 0,
                                  .sliver_height = sliver_tolerances * c->tolerance};
 }
 

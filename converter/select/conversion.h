@@ -107,8 +107,10 @@ typedef struct psplat_conversion {
     psplat_distance *distance; /* to the mesh; NULL unless is_fitted */
     psplat_distance *proxy;    /* to its proxy, which fits ask instead; NULL where none pays */
     double proxy_deviation;    /* of the proxy (mesh/proxy.h), a length */
-    int is_fitted; /* set before psplat_conversion_begin: splats will be fitted, for which
-                      the mesh gets a tree and, if it is large, a proxy */
+    int is_fitted;      /* set before psplat_conversion_begin: splats will be fitted, for which
+                           the mesh gets a tree and, if it is large, a proxy */
+    int ends_at_facets; /* set before psplat_conversion_begin: splats end at edges between facets
+                           that are large beside the tolerance (features/facet_edges.h) */
     psplat_selection selection;
     psplat_hole_memory hole_memory; /* of psplat_fill_holes */
     psplat_splats *splats;          /* the result; not owned */

@@ -52,6 +52,7 @@ typedef struct selector {
     uint32_t *open;   /* samples in random order; those before open_count may need candidates */
     size_t open_count;
     size_t uncovered; /* the number of samples not covered */
+    size_t taken;     /* the number of candidates that are taken */
     size_t mean_gain; /* of the candidates taken in the last round */
     uint64_t random;
 } selector;
@@ -72,6 +73,7 @@ static void take(selector *s, psplat_candidate *candidate) {
         *covered = 1;
     }
     candidate->taken = 1;
+    ++s->taken;
 }
 
 /* Stores the next samples of the random order that need candidates as seeds, and returns their
@@ -178,8 +180,9 @@ static int selector_begin(selector *s) {
     return 1;
 }
 
-static psplat_result cover_all(selector *s, const psplat_convert_desc *desc) {
-    while (s->uncovered) {
+/* Takes candidates until all is covered, or more than `most` are taken. */
+static psplat_result cover_all(selector *s, const psplat_convert_desc *desc, size_t most) {
+    while (s->uncovered && s->taken <= most) {
         double done = 1 - (double)s->uncovered / (double)s->context->samples->count;
         if (desc->progress && desc->progress(desc->user, "selecting splats", done))
             return PSPLAT_ERROR_INTERRUPTED;
@@ -194,8 +197,17 @@ static psplat_result cover_all(selector *s, const psplat_convert_desc *desc) {
 psplat_result psplat_greedy_cover(const psplat_fit_context *context,
                                   const psplat_convert_desc *desc, psplat_selection *selection,
                                   psplat_error *error) {
+    int is_whole;
+    return psplat_greedy_cover_by(context, desc, SIZE_MAX, selection, &is_whole, error);
+}
+
+psplat_result psplat_greedy_cover_by(const psplat_fit_context *context,
+                                     const psplat_convert_desc *desc, size_t most,
+                                     psplat_selection *selection, int *is_whole,
+                                     psplat_error *error) {
     selector s = {.context = context, .selection = selection, .random = desc->seed + 1};
-    psplat_result result = selector_begin(&s) ? cover_all(&s, desc) : PSPLAT_ERROR_MEMORY;
+    psplat_result result = selector_begin(&s) ? cover_all(&s, desc, most) : PSPLAT_ERROR_MEMORY;
+    *is_whole = !result && !s.uncovered;
     free(s.pool);
     free(s.covered);
     free(s.choices);

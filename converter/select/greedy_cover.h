@@ -18,4 +18,11 @@ psplat_result psplat_greedy_cover(const psplat_fit_context *context,
                                   const psplat_convert_desc *desc, psplat_selection *selection,
                                   psplat_error *error);
 
+/* Does the same, but ends once more than `most` candidates are taken. *is_whole: whether every
+ * sample is covered. */
+psplat_result psplat_greedy_cover_by(const psplat_fit_context *context,
+                                     const psplat_convert_desc *desc, size_t most,
+                                     psplat_selection *selection, int *is_whole,
+                                     psplat_error *error);
+
 #endif

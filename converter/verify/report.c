@@ -31,6 +31,7 @@ static void add_surface(psplat_writer *json, const psplat_report *report) {
     psplat_writer_count(json, "border_edges", report->border_edges);
     psplat_writer_count(json, "chart_border_edges", report->chart_border_edges);
     psplat_writer_count(json, "tangent_edges", report->tangent_edges);
+    psplat_writer_count(json, "facet_edges", report->facet_edges);
     psplat_writer_count(json, "samples", report->samples);
     psplat_writer_count(json, "verification_samples", report->verification_samples);
     psplat_writer_number(json, "diagonal", report->diagonal);

@@ -79,6 +79,7 @@ typedef struct psplat_report {
     size_t triangles, patches, crease_edges, border_edges;
     size_t chart_border_edges;   /* smooth edges at which kept texture coordinates jump or mirror */
     size_t tangent_edges;        /* smooth edges at which splats end since the curvature jumps */
+    size_t facet_edges;          /* smooth edges at which splats end since facets are large */
     size_t samples;              /* fitted */
     size_t verification_samples; /* measured */
     size_t bytes;                /* of the file written */
