@@ -8,8 +8,8 @@
  * creases that are left, crease_follow.c continues along weaker edges, since creases fade out.
  * Edges between groups of the file, and edges that its normals make hard (authored_normals.c), are
  * creases at any angle and length. With PSPLAT_NO_CREASES only borders are creases. Last come the
- * borders of charts (chart_borders.c) and tangent edges (tangent_edges.c), which bound patches and
- * are no creases.
+ * borders of charts (chart_borders.c), tangent edges (tangent_edges.c) and, where they are asked
+ * for, edges of facets (facet_edges.c), which bound patches and are no creases.
  */
 #include "features/crease.h"
 

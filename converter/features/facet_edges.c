@@ -17,8 +17,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The least error of a parabola across an edge that is marked, in tolerances. Of 0.02, 0.05, 0.1,
- * 0.25 and 0.5 it leaves the best pictures by bytes of a head of 968 triangles; where part of the
+/* The least error of a parabola across an edge that is marked, in tolerances. Of 0.05, 0.1, 0.25
+ * and 0.5 it leaves the best pictures by bytes of a head of 968 triangles; where part of the
  * edges of a model are marked and splats reach over the others, those err more. */
 static const double least_error = 0.05;
 
