@@ -87,6 +87,22 @@ static void test_limit(void **state) {
     psplat_mesh_free(&mesh);
 }
 
+/* Of two triangles beside an edge the narrower one counts. */
+static void test_narrow(void **state) {
+    (void)state;
+    psplat_mesh mesh = {0};
+    const double rise = 0.1;
+    double left[4][3] = {{-0.1, 0, -0.1 * rise}, {0, 0, 0}, {0, 1, 0}, {-0.1, 1, -0.1 * rise}};
+    double right[4][3] = {{0, 0, 0}, {1, 0, -rise}, {1, 1, -rise}, {0, 1, 0}};
+    shape_quad(&mesh, left, 0);
+    shape_quad(&mesh, right, 0);
+    shape_weld(&mesh);
+    const double limit = 2 * atan(rise) * 0.1 * hypot(1, rise) * 20 / 16;
+    assert_int_equal(count_marked(&mesh, limit * (1 - 1e-4)), 1);
+    assert_int_equal(count_marked(&mesh, limit * (1 + 1e-4)), 0);
+    psplat_mesh_free(&mesh);
+}
+
 /* Where less than half of the edges that bend would be marked, nothing is counted as facets. */
 static void test_share(void **state) {
     (void)state;
@@ -122,10 +138,8 @@ static void test_cube(void **state) {
 
 int test_facet_edges_main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_all),
-        cmocka_unit_test(test_limit),
-        cmocka_unit_test(test_share),
-        cmocka_unit_test(test_cube),
+        cmocka_unit_test(test_all),   cmocka_unit_test(test_limit), cmocka_unit_test(test_narrow),
+        cmocka_unit_test(test_share), cmocka_unit_test(test_cube),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
