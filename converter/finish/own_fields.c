@@ -325,7 +325,8 @@ static int has_curved(const psplat_selection *selection) {
 /* Machined parts get none: the shapes that CAD programs triangulate have the normals, and beside
  * tangent edges fields that serve the whole blend err by more than those (test_tangent_edges).
  * Where the file has normals of its own they may be others than those of the shape, however well
- * splats follow that, and a few tangent edges say nothing about all the rest. */
+ * splats follow that, and a few tangent edges say nothing about all the rest. Nor are the normals
+ * those of the shapes where splats end at edges of facets (features/facet_edges.h). */
 psplat_result psplat_fit_own_fields(psplat_conversion *c) {
     field_fit f = {.count = 0};
     if (!c->limits.precision || c->limits.constant_normals || c->limits.normal_tolerance > 0 ||

@@ -43,7 +43,7 @@ static psplat_report convert_ball(int rows, int sides, psplat_convert_desc desc)
     return report;
 }
 
-/* However small the tolerance is, facets take a splat each, and few more for what rounding leaves
+/* Where the tolerance is small, facets take a splat each, and few more for what rounding leaves
  * open; other splats would be 230 at 0.3 % and 800 at 0.1 %. */
 static void test_small_tolerance(void **state) {
     (void)state;
